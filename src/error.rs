@@ -73,17 +73,17 @@ impl Error {
         Self(Box::new(Refusal { kind: ErrorKind::Input, place: None, text: text.into(), cause: None }))
     }
 
-    /// What is wrong at a place: `PLACE: SENTENCE`.
+    /// A fault at a place: `PLACE: SENTENCE`.
     pub fn at(place: Place, sentence: impl fmt::Display) -> Self {
         Self::new(format!("{place}: {sentence}")).in_place(place)
     }
 
-    /// What is wrong with the value at a place, whose item is the value's key: `PLACE = SENTENCE`.
+    /// A fault of the value at a place, whose item is the value's key: `PLACE = SENTENCE`.
     pub fn value(place: Place, sentence: impl fmt::Display) -> Self {
         Self::new(format!("{place} = {sentence}")).in_place(place)
     }
 
-    /// What was found at a place, in place of what it must be.
+    /// A value found at a place, and the value expected there.
     pub fn bad(place: Place, found: impl fmt::Display, expected: &str) -> Self {
         Self::at(place, format_args!("{found}; it must be {expected}"))
     }
@@ -134,12 +134,12 @@ impl Error {
         self
     }
 
-    /// What kind it is.
+    /// Its kind.
     pub fn kind(&self) -> ErrorKind {
         self.0.kind
     }
 
-    /// Where it is, if that is a place in a file.
+    /// Its place, if that is in a file.
     pub fn place(&self) -> Option<&Place> {
         self.0.place.as_ref()
     }

@@ -35,7 +35,7 @@
 //! world          a TOML file -> obstacles, openings, start, target
 //! robot          a TOML file and a URDF -> drive, arm, grasp; forward kinematics and B(q)
 //! geometry       points, poses, outlines, paths
-//! math, suggestion; above them error, then located and saved
+//! math, suggestion, known_names; above them error, then located and saved
 //!                transcendental functions with the same bits everywhere; "did you mean"; refusals of input; files
 //!                read; saved states
 //! ```
@@ -100,6 +100,7 @@ pub mod error;
 pub mod geometry;
 pub mod guarded;
 pub mod human;
+mod known_names;
 pub mod learning;
 pub mod located;
 pub mod math;

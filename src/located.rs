@@ -1,7 +1,7 @@
 //! Input files, bounded in size, and the places in text files, for errors.
 
 use crate::error::{Error, Place};
-use crate::suggestion;
+use crate::{known_names, suggestion};
 use serde::de::DeserializeOwned;
 use std::fmt::Display;
 use std::fs::File;
@@ -93,7 +93,7 @@ impl<'a> Source<'a> {
     /// The line, the column and what was expected there.
     pub fn parse<T: DeserializeOwned>(self, kind: &str) -> Result<T, Error> {
         toml::from_str(self.text).map_err(|error: toml::de::Error| {
-            let hint = suggestion::hint_of_error(error.message());
+            let hint = known_names::hint::<T>(self.text);
             self.invalid(kind, format!("{}{hint}", error.to_string().trim_end()))
         })
     }

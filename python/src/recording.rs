@@ -89,7 +89,7 @@ impl Recording {
     /// The figures of the episode; None in an incomplete recording.
     #[getter]
     fn outcome<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        self.contents.outcome.as_ref().map(|outcome| value::to_python(py, outcome)).transpose()
+        self.contents.outcome.as_ref().map(|outcome| value::json_to_python(py, outcome)).transpose()
     }
 
     #[getter]

@@ -1,19 +1,20 @@
 //! Tables, as Arrow data and as numpy columns.
 
 use crate::error::{Error, raise};
+use crate::value::of_json;
 use arrow_array::cast::AsArray;
 use arrow_array::ffi_stream::FFI_ArrowArrayStream;
 use arrow_array::types::{Float64Type, Int64Type};
 use arrow_array::{Array, ArrayRef, RecordBatch, RecordBatchIterator};
 use arrow_schema::{DataType, Field, Schema};
 use arrow_select::concat::concat_batches;
-use cocarry::quantities::{Heading, Kind, Record, TICK};
+use cocarry::quantities::{Heading, Kind, Record, TICK, Value};
 use cocarry_studies::columns::{Column, Columns, field};
 use numpy::PyArray1;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict, PyList};
-use serde_json::Value;
+use serde_json::Value as Json;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
@@ -59,14 +60,14 @@ impl Table {
                 let quantity = TICK.into_iter().flatten().find(|quantity| quantity.key == *key);
                 let Some(quantity) = quantity else { continue };
                 let cells: Vec<(String, &Value, Kind)> = match value {
-                    Value::Array(items) => items
+                    Value::List(items) => items
                         .iter()
-                        .filter_map(Value::as_object)
                         .flat_map(|fields| {
                             let name = fields.get("name").and_then(Value::as_str).unwrap_or_default();
-                            let rest = fields.iter().filter(|(key, _)| *key != "name");
+                            let rest = fields.iter().filter(|(key, _)| **key != "name");
                             rest.map(move |(key, value)| {
-                                let kind = if value.is_boolean() { Kind::Flag } else { Kind::Number("") };
+                                let is_flag = matches!(value, Value::Flag(_));
+                                let kind = if is_flag { Kind::Flag } else { Kind::Number("") };
                                 (format!("{key}[{name}]"), value, kind)
                             })
                         })
@@ -80,7 +81,7 @@ impl Table {
                         (Column::of(kind), field(&Heading::from(quantity)).metadata().clone().into(), 0)
                     });
                     for _ in *filled..row {
-                        column.add(&Value::Null);
+                        column.add(&Value::Missing);
                     }
                     column.add(value);
                     *filled = row + 1;
@@ -89,36 +90,34 @@ impl Table {
         }
         let made = order.into_iter().filter_map(|name| {
             let (mut column, about, filled) = columns.remove(&name)?;
-            (filled..records.len()).for_each(|_| column.add(&Value::Null));
+            (filled..records.len()).for_each(|_| column.add(&Value::Missing));
             Some((name, column, about))
         });
         Self::new(made.collect())
     }
 
     /// A table of messages: a time in seconds, then numbers and texts as they are found.
-    pub fn of_messages(names: &[String], times: Vec<f64>, rows: &[Vec<Option<Value>>]) -> Self {
+    pub fn of_messages(names: &[String], times: Vec<f64>, rows: &[Vec<Option<Json>>]) -> Self {
         let mut time = Column::of(Kind::Number("s"));
         times.into_iter().for_each(|seconds| time.add(&seconds.into()));
         let time = ("time_s".to_owned(), time, HashMap::new());
         let columns = names.iter().enumerate().map(|(i, name)| {
             let cells =
                 || rows.iter().filter_map(move |row| row.get(i)?.as_ref()).filter(|cell| !cell.is_null());
-            let all = |is: fn(&Value) -> bool| cells().next().is_some() && cells().all(is);
+            let all = |is: fn(&Json) -> bool| cells().next().is_some() && cells().all(is);
             let kind = match () {
-                () if all(Value::is_i64) => Kind::Count,
-                () if all(Value::is_number) => Kind::Number(""),
-                () if all(Value::is_boolean) => Kind::Flag,
+                () if all(Json::is_i64) => Kind::Count,
+                () if all(Json::is_number) => Kind::Number(""),
+                () if all(Json::is_boolean) => Kind::Flag,
                 () => Kind::Text,
             };
             let mut column = Column::of(kind);
             for row in rows {
-                match row.get(i).and_then(Option::as_ref).unwrap_or(&Value::Null) {
-                    other @ (Value::Bool(_) | Value::Number(_) | Value::Array(_) | Value::Object(_))
-                        if matches!(kind, Kind::Text) =>
-                    {
+                match row.get(i).and_then(Option::as_ref).unwrap_or(&Json::Null) {
+                    other @ (Json::Bool(_) | Json::Number(_)) if matches!(kind, Kind::Text) => {
                         column.add(&other.to_string().into());
                     }
-                    cell => column.add(cell),
+                    cell => column.add(&of_json(cell)),
                 }
             }
             (name.clone(), column, HashMap::new())

@@ -1,31 +1,58 @@
 //! Values of the library's quantities as Python objects.
 
+use cocarry::quantities::{Fields, Value};
+use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList, PyString};
-use serde_json::Value;
+use pyo3::types::{PyDict, PyList};
+use serde_json::Value as Json;
 
 /// A value as a Python object; missing values are None.
 pub fn to_python<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
-    Ok(match value {
-        Value::Null => py.None().into_bound(py),
-        Value::Bool(flag) => flag.into_pyobject(py)?.to_owned().into_any(),
-        Value::Number(number) => match number.as_i64() {
-            Some(whole) => whole.into_pyobject(py)?.into_any(),
-            None => number.as_f64().unwrap_or(f64::NAN).into_pyobject(py)?.into_any(),
-        },
-        Value::String(text) => PyString::new(py, text).into_any(),
-        Value::Array(items) => {
-            let items = items.iter().map(|item| to_python(py, item)).collect::<PyResult<Vec<_>>>()?;
-            PyList::new(py, items)?.into_any()
+    let dict = |fields: &Fields| record(py, fields.iter().map(|(key, value)| (*key, value.clone())));
+    match value {
+        Value::Missing => Ok(py.None().into_bound(py)),
+        Value::Flag(flag) => flag.into_bound_py_any(py),
+        Value::Count(count) => count.into_bound_py_any(py),
+        Value::Number(number) => number.into_bound_py_any(py),
+        Value::Text(text) => text.into_bound_py_any(py),
+        Value::Numbers(numbers) => {
+            let numbers = numbers.iter().map(|number| to_python(py, &(*number).into()));
+            PyList::new(py, numbers.collect::<PyResult<Vec<_>>>()?)?.into_bound_py_any(py)
         }
-        Value::Object(fields) => {
+        Value::Record(fields) => dict(fields)?.into_bound_py_any(py),
+        Value::List(records) => {
+            PyList::new(py, records.iter().map(dict).collect::<PyResult<Vec<_>>>()?)?.into_bound_py_any(py)
+        }
+    }
+}
+
+/// A value of a recording's JSON as a Python object.
+pub fn json_to_python<'py>(py: Python<'py>, value: &Json) -> PyResult<Bound<'py, PyAny>> {
+    match value {
+        Json::Array(items) => {
+            let items = items.iter().map(|item| json_to_python(py, item)).collect::<PyResult<Vec<_>>>()?;
+            PyList::new(py, items)?.into_bound_py_any(py)
+        }
+        Json::Object(fields) => {
             let dict = PyDict::new(py);
             for (key, value) in fields {
-                dict.set_item(key, to_python(py, value)?)?;
+                dict.set_item(key, json_to_python(py, value)?)?;
             }
-            dict.into_any()
+            dict.into_bound_py_any(py)
         }
-    })
+        scalar => to_python(py, &of_json(scalar)),
+    }
+}
+
+/// A value of a recording's JSON that is not a list or an object; those become their text.
+pub fn of_json(value: &Json) -> Value {
+    match value {
+        Json::Null => Value::Missing,
+        Json::Bool(flag) => Value::Flag(*flag),
+        Json::Number(number) => number.as_i64().map_or_else(|| number.as_f64().into(), Value::Count),
+        Json::String(text) => Value::Text(text.clone()),
+        Json::Array(_) | Json::Object(_) => Value::Text(value.to_string()),
+    }
 }
 
 /// A record as a dictionary, in the order of its table.

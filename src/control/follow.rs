@@ -52,7 +52,7 @@ pub struct Follower<'w> {
     pub bearing: f64,
     /// The outline of the base.
     pub footprint: &'w Footprint,
-    /// What the base keeps off.
+    /// The obstacles that the base keeps off.
     pub obstacles: &'w RobotObstacles,
 }
 

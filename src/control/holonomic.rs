@@ -9,7 +9,7 @@ use nalgebra::Rotation2;
 /// that does, and cuts corners less.
 pub(super) const LOOK_AHEADS_M: [f64; 2] = [0.45, 0.3];
 
-/// What a base sees of its path in a step.
+/// A base's view of its path in a step.
 pub(super) struct Sight {
     /// From the base to the point ahead on the path; when reversing, from the point behind to the base, m.
     pub goal: Vector,

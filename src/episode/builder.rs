@@ -137,7 +137,7 @@ impl<'a> EpisodeBuilder<'a> {
 }
 
 impl<'a> Team<'a> {
-    /// That of the walk that [`Team::line_up`] gives it.
+    /// How the team passes gaps between pillars, by its walk from [`Team::line_up`].
     fn passing(self) -> Passing {
         match self {
             Self::Point | Self::Robot(_) => Passing::Shortest,

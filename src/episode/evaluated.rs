@@ -63,7 +63,7 @@ impl Evaluated {
     }
 }
 
-/// What a distribution of (alpha, gamma) predicts of the options.
+/// The prediction of a distribution of (alpha, gamma) for the options.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Prediction {
     /// P_o; empty where it was not asked.
@@ -73,7 +73,7 @@ pub(super) struct Prediction {
     expected: Vec<f64>,
 }
 
-/// What is asked of a prediction.
+/// The parts of a prediction that are needed.
 #[derive(Clone, Copy)]
 struct Asked {
     /// P_o, eq. (4).
@@ -86,7 +86,7 @@ struct Asked {
 enum By<'p> {
     /// The belief before the episode, which the human's discomfort follows, eq. (5).
     Prior(&'p mut Predictor),
-    /// What the robot has learned, which its choices follow, eqs. (6) and (8), and the belief's lapse rate.
+    /// The learned belief, which the robot's choices follow, eqs. (6) and (8), and its lapse rate.
     Learned(&'p mut Learner, f64),
 }
 
@@ -119,7 +119,7 @@ impl Prediction {
     }
 }
 
-/// What the human may prefer.
+/// The probabilities of the options, by the belief of the robot and by the prior.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Predicted {
     /// By the prior, which the human's discomfort follows, eq. (5).
@@ -149,7 +149,7 @@ impl Episode<'_> {
         Evaluated::at(self.options, &self.progress, risk_weight, toward, now.executed, memory)
     }
 
-    /// What the human may prefer among them.
+    /// The probabilities of the options that the human may prefer.
     pub(super) fn predict(&mut self, now: Now, evaluated: &Evaluated, memory: Predicted) -> Predicted {
         let expected = now.mode == Mode::RobotLed || self.policy.predicts();
         let choice = expected || self.controller.anticipates() || self.settings.predict_while_human_leads;

@@ -1,4 +1,4 @@
-//! What can be seen of the human in an episode: the same as the robot of `--belief learn` sees.
+//! Observations of the human in an episode: the same that the robot of `--belief learn` makes.
 
 use super::Episode;
 use super::evaluated::prospect;
@@ -19,7 +19,7 @@ pub struct Sighting {
     pub is_consistent: Vec<bool>,
 }
 
-/// What was seen over an episode.
+/// The observations of an episode.
 #[derive(Clone, Debug)]
 pub struct HumanObserver {
     sightings: Vec<Sighting>,
@@ -30,10 +30,10 @@ pub struct HumanObserver {
 }
 
 impl HumanObserver {
-    /// Nothing is seen yet. phi(0) is that of the episode.
+    /// An observer that has seen nothing yet; `initial_stubbornness` is phi(0) of the episode.
     ///
     /// # Errors
-    /// [`LearningError`]: phi(0) or the settings are out of range.
+    /// [`LearningError`]: the settings are out of range.
     pub fn new(settings: Settings, initial_stubbornness: f64) -> Result<Self, LearningError> {
         let learner = Learner::new(settings, Belief::default(), 0.0, initial_stubbornness)?;
         Ok(Self { sightings: Vec::new(), learner, mode: None })

@@ -1,4 +1,4 @@
-//! What the robot learns about the human in a step.
+//! The robot's learning about the human in a step.
 
 use super::evaluated::Prediction;
 use super::now::Now;
@@ -32,12 +32,12 @@ impl<'a> Episode<'a> {
         self
     }
 
-    /// What the robot has learned; `None` if it does not learn.
+    /// The robot's belief about the human; `None` if it does not learn.
     pub fn learner(&self) -> Option<&Learner> {
         self.learner.as_deref()
     }
 
-    /// What the robot has learned, taken out of the episode.
+    /// The robot's belief about the human, taken out of the episode.
     pub fn into_learner(self) -> Option<Learner> {
         self.learner.map(|learner| *learner)
     }

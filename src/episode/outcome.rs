@@ -285,7 +285,7 @@ pub(super) struct Done<'s> {
     pub has_changed: bool,
     /// Distance walked, m.
     pub walked: f64,
-    /// What is seen of the bodies at its end.
+    /// The observation of the bodies at its end.
     pub bodies: Option<&'s Observation>,
     pub ignores_loss: bool,
 }

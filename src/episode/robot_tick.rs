@@ -114,7 +114,7 @@ impl PhysicsTick {
 pub(super) struct Period<'p> {
     /// q_c, and s as the pose that the grasp should have, at its beginning.
     pub begin: (Configuration, PlanarPose),
-    /// What is seen at its end.
+    /// The observation at its end.
     pub end: Seen<'p>,
     /// s at its end.
     pub goal: PlanarPose,

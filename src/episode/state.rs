@@ -27,11 +27,11 @@ pub struct State {
     learned: Option<Learned>,
 }
 
-/// What a robot that learns needs besides the state of every robot.
+/// The part of the state that only a robot that learns has.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Learned {
     learner: learning::State,
-    /// Of the last step, which is learned from in the next one.
+    /// The options of the last step, from which the next one learns.
     prospects: Vec<Prospect>,
     ways: Ways,
     decided: Option<(HumanDecision, Decision)>,

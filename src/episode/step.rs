@@ -11,7 +11,7 @@ use crate::policy::Decision;
 use crate::preference::subjective_cost;
 use crate::team::Step;
 
-/// A step that has begun: what is known of it before the robot's policy decides.
+/// A step that has begun: its values before the robot's policy decides.
 #[derive(Clone, Debug)]
 pub(super) struct Begun {
     pub evaluated: Evaluated,
@@ -34,7 +34,7 @@ impl Episode<'_> {
 
     /// The first part of a step, up to the human's decision; then the policy, or a caller in its place, may
     /// [see](Episode::robot_view) it. Returns the outcome once the episode has ended. Nothing happens if the
-    /// step has begun. [`Episode::state`] is that of whole steps: take none in between.
+    /// step has begun. [`Episode::state`] is valid between whole steps only.
     pub fn begin_step(&mut self) -> Option<Outcome> {
         if self.begun.is_some() {
             return None;

@@ -1,4 +1,4 @@
-//! What the human and the robot's policy see in a step, and their decisions.
+//! The views of the human and of the robot's policy in a step, and their decisions.
 
 use super::Episode;
 use super::evaluated::{Evaluated, Prediction};
@@ -45,7 +45,7 @@ impl Episode<'_> {
     }
 }
 
-/// What the robot sees in a step.
+/// The robot's view in a step.
 pub(super) fn view<'v>(
     now: Now,
     planning_step: f64,

@@ -193,9 +193,9 @@ impl<'f> Placed<'f> {
 /// A side by one of its points and its outward normal.
 #[derive(Clone, Copy)]
 enum Side {
-    /// Of the outline that stands, in the world.
+    /// A side of the outline that stands, in the world.
     Other(Point, Vector),
-    /// Of the outline that moves, in its frame.
+    /// A side of the outline that moves, in its frame.
     Own(Point, Vector),
 }
 

@@ -4,7 +4,7 @@ use super::footprint::{Bounds, Footprint, edges};
 use super::outline::{Corner, Outline};
 use super::{Nearby, left_of};
 
-/// What stands on the floor as one piece.
+/// Obstacles that stand on the floor as one piece.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solid {
     /// Convex parts that cover it.
@@ -28,7 +28,7 @@ impl Solid {
         Self { parts: vec![footprint], corners }
     }
 
-    /// What an outline encloses; `None` where its rings cross.
+    /// The area that an outline encloses; `None` where its rings cross.
     pub fn enclosed(outline: &Outline) -> Option<Self> {
         let parts = outline.parts()?.into_iter().map(Footprint::Polygon).collect();
         Some(Self { parts, corners: outline.corners().collect() })

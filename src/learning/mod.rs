@@ -6,9 +6,9 @@ mod tolerance;
 
 pub use tolerance::{MAX_TASKS, Tolerance, TolerancePrior, discomfort_limit, eta_interval};
 
+use crate::error::Error;
 use crate::preference::{
-    Belief, ChoiceDistribution, Learned, MAX_LAPSE_RATE, Perception, Posterior, PreferenceError, Prospect,
-    Ways,
+    Belief, ChoiceDistribution, Learned, MAX_LAPSE_RATE, Perception, Posterior, Prospect, Ways,
 };
 use serde::{Deserialize, Serialize};
 
@@ -44,7 +44,7 @@ pub struct LearningError {
     pub expected: &'static str,
 }
 
-impl From<LearningError> for crate::error::Error {
+impl From<LearningError> for Error {
     fn from(error: LearningError) -> Self {
         Self::new(error.to_string())
     }
@@ -132,7 +132,7 @@ impl Learner {
     /// `initial_stubbornness` phi(0). The first task has begun.
     ///
     /// # Errors
-    /// [`LearningError`], or [`PreferenceError::RiskWeight`] as its text.
+    /// [`LearningError`]: a number of `settings`, or `risk_weight`, is out of its range.
     pub fn new(
         settings: Settings,
         belief: Belief,
@@ -192,13 +192,13 @@ impl Learner {
     /// `is_consistent` says for each option whether a human on it would have moved as this human did.
     ///
     /// # Errors
-    /// [`PreferenceError::Impossible`] with a lapse rate of 0.
+    /// The human's action is impossible under the belief, which needs a lapse rate of 0.
     pub fn observe_walk(
         &mut self,
         prospects: &[Prospect],
         ways: &Ways,
         is_consistent: impl Iterator<Item = bool>,
-    ) -> Result<(), PreferenceError> {
+    ) -> Result<(), Error> {
         if !self.is_sighting() {
             self.steps_since_look = self.steps_since_look.map(|steps| steps + 1);
             return Ok(());
@@ -216,7 +216,7 @@ impl Learner {
         prospects: &[Prospect],
         ways: &Ways,
         option: usize,
-    ) -> Result<(), PreferenceError> {
+    ) -> Result<(), Error> {
         let chosen = ways.representative(option);
         self.observe_sighting(prospects, ways, (0..prospects.len()).map(|o| ways.representative(o) == chosen))
     }
@@ -230,7 +230,7 @@ impl Learner {
         prospects: &[Prospect],
         ways: &Ways,
         is_consistent: impl Iterator<Item = bool>,
-    ) -> Result<(), PreferenceError> {
+    ) -> Result<(), Error> {
         likelihoods_of_sighting(is_consistent, self.settings.lapse_rate, &mut self.likelihoods);
         self.perception.mix_with_prior(self.settings.change_rate)?;
         self.perception.observe(prospects, ways, &self.likelihoods).map(drop)
@@ -274,7 +274,7 @@ impl Learner {
         self.perception.density(perception)
     }
 
-    /// What was learned.
+    /// The posterior of alpha and gamma.
     pub fn state(&self) -> State {
         State {
             perception: self.perception.learned(),

@@ -1,4 +1,4 @@
-//! What is known about one human's tolerance eta, from when the human took over and when not.
+//! The belief about one human's tolerance eta, from when the human took over and when not.
 
 use super::LearningError;
 use crate::math;
@@ -100,7 +100,7 @@ impl Tolerance {
     /// The prior.
     ///
     /// # Errors
-    /// [`LearningError`] if a number is out of its range.
+    /// A number is out of its range.
     pub fn new(prior: TolerancePrior, lapse_rate: f64) -> Result<Self, LearningError> {
         let positive = |name, value: f64| match value > 0.0 && value <= 1e6 {
             true => Ok(()),
@@ -117,7 +117,7 @@ impl Tolerance {
         Ok(tolerance)
     }
 
-    /// Begins a task: nothing is known of it yet.
+    /// Begins a task, about which nothing is known yet.
     pub fn begin_task(&mut self) {
         if self.tasks.len() == MAX_TASKS {
             self.tasks.remove(0);
@@ -133,7 +133,7 @@ impl Tolerance {
         self.refresh();
     }
 
-    /// What every task says, the present one last.
+    /// The interval of eta that every task leaves, the present one last.
     pub fn tasks(&self) -> &[[f64; 2]] {
         &self.tasks
     }

@@ -23,8 +23,8 @@ const MAX_DEPTH_M: f64 = 5.0;
 const DEPTH_STEP_M: f64 = 0.05;
 /// Bisections of the step in which the passage ends.
 const HALVINGS: u32 = 30;
-/// Shoulders up to the first length (m) are none: paths need not go through the middle. At the second, they
-/// do; from the third on, they are straight in full.
+/// Shoulders up to the first length (m) do not count: paths need not go through the middle. At the second
+/// length, they do; from the third on, they are straight in full.
 const SHOULDER_M: [f64; 3] = [0.5, 0.65, 0.8];
 /// Likewise for the depth of the passage (m): in a deep one the team must be straight however narrow the
 /// obstacles are.
@@ -46,7 +46,7 @@ pub(super) struct Alignment {
 }
 
 impl Alignment {
-    /// That of an opening among this number of openings. Where there are more than
+    /// The alignment of an opening among this number of openings. Where there are more than
     /// [`MAX_OPENINGS_WITH_LANES`], paths go through the middle.
     pub fn new(opening: &Opening, space: &Space, openings: usize) -> Self {
         let axis = opening.axis();

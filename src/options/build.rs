@@ -1,5 +1,5 @@
-//! What an option set is built from: free space, passages and straight parts of a world; and why there is
-//! none.
+//! The parts that an option set is built from: free space, passages and straight parts of a world; and why
+//! a world has no options.
 
 use super::ALIGNMENT_M;
 use super::alignment::Alignment;

@@ -57,7 +57,7 @@ const BOUND_ROUNDING_M: f64 = 1e-9;
 /// are added to `stages`.
 ///
 /// # Errors
-/// That there are too many paths between openings to be searched.
+/// The error that there are too many paths between openings to be searched.
 pub(super) fn cheapest(
     roadmap: &mut Roadmap,
     (passages, sites): (&[Passage], &Sites),

@@ -42,7 +42,7 @@ impl Crossing {
 /// The distance (m) between a path through a lane that is not straight and the gap's line, where it arrives
 /// and leaves: more than the tolerance within which lines meet the gap.
 const OFF_GAP_M: f64 = 1e-7;
-/// What outer lanes keep from a pillar beyond the clearance, m.
+/// The distance of outer lanes from a pillar beyond the clearance, m.
 const FROM_PILLAR_M: f64 = 1e-6;
 /// Where lanes would be this near (m) to each other, there is one.
 const NARROWEST_LANES_M: f64 = 0.01;

@@ -1,4 +1,4 @@
-//! What moves a plant in a control period: the controller's command, and the human's motion.
+//! The inputs of a plant in a control period: the controller's command, and the human's motion.
 
 use crate::control::SolveOutcome;
 use crate::geometry::{PlanarPose, Point};

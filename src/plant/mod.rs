@@ -31,7 +31,7 @@ pub trait Plant: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
     fn step(&mut self, command: &Command, human: &HumanMotion, period: f64);
 
     /// `world_from_link` of every link of the robot, in the order of
-    /// [`Robot::links`](crate::robot::Robot::links); by default, those of the configuration seen.
+    /// [`Robot::links`](crate::robot::Robot::links); by default, the poses in the configuration seen.
     fn link_poses(&self) -> Option<Vec<Pose>> {
         None
     }
@@ -48,7 +48,7 @@ pub trait Plant: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
 
 dyn_clone::clone_trait_object!(Plant);
 
-/// What is seen of a team at the beginning of a control period.
+/// The observation of a team at the beginning of a control period.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen<'p> {
     /// Position of the team, m: the object's centre; the human's where the object has no body.

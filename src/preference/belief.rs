@@ -4,7 +4,8 @@ use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
 
 use super::perception::MAX_PERCEPTION;
-use super::{Marginal, Perception, PreferenceError};
+use super::{Marginal, Perception};
+use crate::error::Error;
 
 /// A distribution over `(alpha, gamma)`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -56,10 +57,10 @@ impl From<SampleSet> for Vec<Row> {
 }
 
 impl TryFrom<Vec<Row>> for SampleSet {
-    type Error = PreferenceError;
+    type Error = Error;
 
     /// Weights that already sum to 1 are kept to the last bit.
-    fn try_from(rows: Vec<Row>) -> Result<Self, PreferenceError> {
+    fn try_from(rows: Vec<Row>) -> Result<Self, Error> {
         let sample =
             |Row { alpha, gamma, weight }| WeightedSample { perception: Perception { alpha, gamma }, weight };
         let samples: Vec<WeightedSample> = rows.into_iter().map(sample).collect();
@@ -72,13 +73,15 @@ impl TryFrom<Vec<Row>> for SampleSet {
 
 impl SampleSet {
     /// Checks the samples and scales their weights to sum to 1.
-    pub fn new(mut samples: Vec<WeightedSample>) -> Result<Self, PreferenceError> {
+    pub fn new(mut samples: Vec<WeightedSample>) -> Result<Self, Error> {
         let positive = |value: f64| value > 0.0 && value.is_finite();
         for (index, sample) in samples.iter().enumerate() {
             let WeightedSample { perception: Perception { alpha, gamma }, weight } = *sample;
             let is_good = |parameter: f64| positive(parameter) && parameter <= MAX_PERCEPTION;
             if !(is_good(alpha) && is_good(gamma) && positive(weight)) {
-                return Err(PreferenceError::Sample { index, alpha, gamma, weight });
+                return Err(Error::new(format!(
+                    "sample {index} (alpha {alpha}, gamma {gamma}, weight {weight}): all three must be positive and finite, alpha and gamma at most {MAX_PERCEPTION}"
+                )));
             }
         }
         // Dividing by the largest first keeps the sum finite whatever the scale of the weights.
@@ -87,7 +90,10 @@ impl SampleSet {
         for sample in &mut samples {
             sample.weight = sample.weight / largest / sum;
         }
-        if samples.is_empty() { Err(PreferenceError::NoSamples) } else { Ok(Self { samples }) }
+        match samples.is_empty() {
+            true => Err(Error::new("a belief needs at least one sample")),
+            false => Ok(Self { samples }),
+        }
     }
 
     /// The samples, with weights that sum to 1.
@@ -105,7 +111,7 @@ impl Default for Belief {
 
 impl Belief {
     /// Independent uniforms on `(lower, upper)` ranges of `alpha` and `gamma`.
-    pub fn uniform(alpha: (f64, f64), gamma: (f64, f64)) -> Result<Self, PreferenceError> {
+    pub fn uniform(alpha: (f64, f64), gamma: (f64, f64)) -> Result<Self, Error> {
         Ok(Self::Independent {
             alpha: Marginal::uniform(alpha.0, alpha.1)?,
             gamma: Marginal::uniform(gamma.0, gamma.1)?,
@@ -113,7 +119,7 @@ impl Belief {
     }
 
     /// An empirical belief; the weights need not sum to 1.
-    pub fn samples(samples: Vec<WeightedSample>) -> Result<Self, PreferenceError> {
+    pub fn samples(samples: Vec<WeightedSample>) -> Result<Self, Error> {
         SampleSet::new(samples).map(Self::Samples)
     }
 
@@ -171,15 +177,16 @@ mod tests {
 
     #[test]
     fn closed_form_bad_samples_are_refused() {
-        assert_eq!(Belief::samples(Vec::new()), Err(PreferenceError::NoSamples));
+        let refused = |samples| Belief::samples(samples).unwrap_err().to_string();
+        assert_eq!(refused(Vec::new()), "a belief needs at least one sample");
         for bad in [
             sample(0.0, 1.0, 1.0),
             sample(1.0, f64::NAN, 1.0),
             sample(1.0, 1.0, f64::INFINITY),
             sample(1.0, 1.0, -1.0),
         ] {
-            let error = Belief::samples(vec![sample(0.7, 0.7, 1.0), bad]).unwrap_err();
-            assert!(matches!(error, PreferenceError::Sample { index: 1, .. }), "{error}");
+            let error = refused(vec![sample(0.7, 0.7, 1.0), bad]);
+            assert!(error.starts_with("sample 1 (alpha "), "{error}");
         }
     }
 

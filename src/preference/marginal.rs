@@ -3,11 +3,11 @@
 use std::fmt;
 use std::str::FromStr;
 
+use crate::error::Error;
 use crate::math::{self, erf, erfc};
 use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
 
-use super::PreferenceError;
 use super::perception::MAX_PERCEPTION;
 
 /// Distribution of one perception parameter (`alpha` or `gamma`, dimensionless) on `[lower, upper]` with
@@ -21,7 +21,7 @@ use super::perception::MAX_PERCEPTION;
 /// let alpha: Marginal = "uniform(0.55, 0.95)".parse()?;
 /// assert_eq!(alpha, Marginal::uniform(0.55, 0.95)?);
 /// assert_eq!(alpha.to_string(), "uniform(0.55,0.95)");
-/// # Ok::<(), cocarry::preference::PreferenceError>(())
+/// # Ok::<(), cocarry::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
@@ -44,23 +44,29 @@ enum Shape {
 
 impl Marginal {
     /// Uniform on `[lower, upper]`.
-    pub fn uniform(lower: f64, upper: f64) -> Result<Self, PreferenceError> {
+    pub fn uniform(lower: f64, upper: f64) -> Result<Self, Error> {
         if !(0.0 < lower && lower < upper && upper <= MAX_PERCEPTION) {
-            return Err(PreferenceError::Bounds { lower, upper });
+            return Err(Error::new(format!(
+                "bounds [{lower}, {upper}] must satisfy 0 < lower < upper <= {MAX_PERCEPTION}"
+            )));
         }
         Ok(Self { lower, upper, shape: Shape::Uniform })
     }
 
     /// The normal with this mean and standard deviation, truncated to `[lower, upper]`.
-    pub fn truncated_normal(mean: f64, std: f64, lower: f64, upper: f64) -> Result<Self, PreferenceError> {
+    pub fn truncated_normal(mean: f64, std: f64, lower: f64, upper: f64) -> Result<Self, Error> {
         let bounded = Self::uniform(lower, upper)?;
         if !(mean.is_finite() && std.is_finite() && std > 0.0) {
-            return Err(PreferenceError::Shape { mean, std });
+            return Err(Error::new(format!(
+                "normal distribution with mean {mean} and standard deviation {std}: the mean must be finite, the deviation positive"
+            )));
         }
         let mass = normal_mass((lower - mean) / std, (upper - mean) / std);
         // Below this the ratio of two probabilities loses its digits.
         if mass.is_nan() || mass < 1e-290 {
-            return Err(PreferenceError::NoMass { mean, std, lower, upper });
+            return Err(Error::new(format!(
+                "normal distribution with mean {mean} and standard deviation {std} has no probability in [{lower}, {upper}]"
+            )));
         }
         Ok(Self { shape: Shape::Normal { mean, std, mass }, ..bounded })
     }
@@ -200,10 +206,14 @@ impl fmt::Display for Marginal {
 }
 
 impl FromStr for Marginal {
-    type Err = PreferenceError;
+    type Err = Error;
 
-    fn from_str(text: &str) -> Result<Self, PreferenceError> {
-        let syntax = || PreferenceError::Syntax { text: text.to_owned() };
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let syntax = || {
+            Error::new(format!(
+                "`{text}` is not a distribution: write uniform(lower,upper) or normal(mean,std,lower,upper)"
+            ))
+        };
         let (name, rest) = text.trim().split_once('(').ok_or_else(syntax)?;
         let numbers = rest.strip_suffix(')').ok_or_else(syntax)?;
         let numbers: Vec<f64> = numbers
@@ -220,9 +230,9 @@ impl FromStr for Marginal {
 }
 
 impl TryFrom<String> for Marginal {
-    type Error = PreferenceError;
+    type Error = Error;
 
-    fn try_from(text: String) -> Result<Self, PreferenceError> {
+    fn try_from(text: String) -> Result<Self, Error> {
         text.parse()
     }
 }
@@ -304,16 +314,18 @@ mod tests {
 
     #[test]
     fn closed_form_bad_parameters_are_refused_with_their_numbers() {
-        let refused = |text: &str| text.parse::<Marginal>().unwrap_err();
-        assert_eq!(refused("uniform(0.9,0.5)"), PreferenceError::Bounds { lower: 0.9, upper: 0.5 });
-        assert_eq!(refused("uniform(0,0.5)"), PreferenceError::Bounds { lower: 0.0, upper: 0.5 });
-        assert!(matches!(refused("uniform(0.1,inf)"), PreferenceError::Bounds { .. }));
-        assert!(matches!(refused("uniform(NaN,1)"), PreferenceError::Bounds { .. }));
-        assert!(matches!(refused("normal(0.7,0,0.5,1)"), PreferenceError::Shape { .. }));
-        assert!(matches!(refused("normal(-9,0.1,0.5,1)"), PreferenceError::NoMass { .. }));
-        for text in ["", "uniform", "uniform(1,2", "uniform(1)", "beta(1,2)", "uniform(a,b)", "normal(1,2)"] {
-            assert_eq!(refused(text), PreferenceError::Syntax { text: text.to_owned() });
+        let refused = |text: &str| text.parse::<Marginal>().unwrap_err().to_string();
+        for bounds in ["0.9, 0.5", "0, 0.5", "0.1, inf", "NaN, 1"] {
+            let sentence = format!("bounds [{bounds}] must satisfy 0 < lower < upper <= 10");
+            assert_eq!(refused(&format!("uniform({bounds})")), sentence);
         }
-        assert!(refused("uniform(0.9,0.5)").to_string().contains("0.9"));
+        let normal = "normal distribution with mean 0.7 and standard deviation 0";
+        let shape = format!("{normal}: the mean must be finite, the deviation positive");
+        assert_eq!(refused("normal(0.7,0,0.5,1)"), shape);
+        assert!(refused("normal(-9,0.1,0.5,1)").ends_with("0.1 has no probability in [0.5, 1]"));
+        for text in ["", "uniform", "uniform(1,2", "uniform(1)", "beta(1,2)", "uniform(a,b)", "normal(1,2)"] {
+            let sentence = format!("`{text}` is not a distribution: write ");
+            assert!(refused(text).starts_with(&sentence), "{}", refused(text));
+        }
     }
 }

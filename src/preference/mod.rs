@@ -15,15 +15,15 @@
 //! predictor.predict(&options, &mut choice);
 //! assert!((choice.probabilities().iter().sum::<f64>() - 1.0).abs() < 1e-12);
 //! assert_eq!(choice.most_likely(), 0);
-//! # Ok::<(), cocarry::preference::PreferenceError>(())
+//! # Ok::<(), cocarry::Error>(())
 //! ```
 
 mod belief;
 mod choice;
 mod curve;
 mod envelope;
-mod error;
 mod expectation;
+mod limits;
 mod margin;
 mod marginal;
 mod perception;
@@ -39,8 +39,9 @@ mod ties;
 
 pub use belief::{Belief, SampleSet, WeightedSample};
 pub use choice::{ChoiceDistribution, with_lapses};
-pub(crate) use error::check_lapse_rate;
-pub use error::{MAX_LAPSE_RATE, MAX_RATIONALITY, PreferenceError};
+pub(crate) use limits::check_lapse_rate;
+use limits::check_rate;
+pub use limits::{MAX_LAPSE_RATE, MAX_RATIONALITY};
 pub use marginal::Marginal;
 pub use perception::{
     MAX_PERCEPTION, Perception, Prospect, human_choice, objective_cost, perceived_distance, perceived_risk,

@@ -7,9 +7,10 @@ use super::softmax::{self, Choice, Softmax};
 use super::strips::{Domain, Strips};
 use super::ties::Ties;
 use super::{
-    Belief, ChoiceDistribution, Perception, PreferenceError, Prospect, SampleSet, Ways, check_lapse_rate,
-    error::MAX_RATIONALITY, human_choice, subjective_cost,
+    Belief, ChoiceDistribution, MAX_RATIONALITY, Perception, Prospect, SampleSet, Ways, check_lapse_rate,
+    human_choice, subjective_cost,
 };
+use crate::error::Error;
 use serde::{Deserialize, Serialize};
 
 /// A predictor of a human's choice from a belief over the human's perception.
@@ -60,9 +61,9 @@ impl From<Predictor> for Basis {
 }
 
 impl TryFrom<Basis> for Predictor {
-    type Error = PreferenceError;
+    type Error = Error;
 
-    fn try_from(basis: Basis) -> Result<Self, PreferenceError> {
+    fn try_from(basis: Basis) -> Result<Self, Error> {
         let mut predictor = Self::new(basis.belief, basis.risk_weight_m)?;
         predictor.set_lapse_rate(basis.lapse_rate)?;
         predictor.set_rationality(basis.rationality)?;
@@ -114,7 +115,7 @@ impl Default for Predictor {
 impl Predictor {
     /// A predictor for a belief and the weight `c_r` of risk in eq. 2 (finite, not negative; the paper fits
     /// 10).
-    pub fn new(belief: Belief, risk_weight: f64) -> Result<Self, PreferenceError> {
+    pub fn new(belief: Belief, risk_weight: f64) -> Result<Self, Error> {
         check(risk_weight)?;
         let model = match &belief {
             Belief::Independent { alpha, gamma } => Model::Independent(Box::new(Independent {
@@ -151,8 +152,8 @@ impl Predictor {
     /// Changes the weight `c_r`.
     ///
     /// # Errors
-    /// [`PreferenceError::RiskWeight`], as in [`Predictor::new`].
-    pub fn set_risk_weight(&mut self, risk_weight: f64) -> Result<(), PreferenceError> {
+    /// The weight is negative or not finite.
+    pub fn set_risk_weight(&mut self, risk_weight: f64) -> Result<(), Error> {
         check(risk_weight)?;
         self.risk_weight = risk_weight;
         Ok(())
@@ -166,8 +167,8 @@ impl Predictor {
     /// Changes the lapse rate.
     ///
     /// # Errors
-    /// [`PreferenceError::Rate`] unless it is from 0 to [`MAX_LAPSE_RATE`](super::MAX_LAPSE_RATE).
-    pub fn set_lapse_rate(&mut self, lapse_rate: f64) -> Result<(), PreferenceError> {
+    /// The rate is not from 0 to [`MAX_LAPSE_RATE`](super::MAX_LAPSE_RATE).
+    pub fn set_lapse_rate(&mut self, lapse_rate: f64) -> Result<(), Error> {
         check_lapse_rate(lapse_rate)?;
         self.lapse_rate = lapse_rate;
         Ok(())
@@ -181,11 +182,12 @@ impl Predictor {
     /// Changes the rationality.
     ///
     /// # Errors
-    /// [`PreferenceError::Rationality`] unless it is greater than 0 and at most [`MAX_RATIONALITY`].
-    pub fn set_rationality(&mut self, rationality: Option<f64>) -> Result<(), PreferenceError> {
+    /// The rationality is not greater than 0 and at most [`MAX_RATIONALITY`].
+    pub fn set_rationality(&mut self, rationality: Option<f64>) -> Result<(), Error> {
         match rationality {
             Some(value) if !(value > 0.0 && value <= MAX_RATIONALITY) => {
-                Err(PreferenceError::Rationality { value })
+                let sentence = "must be a number greater than 0 and at most";
+                Err(Error::new(format!("rationality {value} {sentence} {MAX_RATIONALITY}")))
             }
             _ => {
                 self.rationality = rationality;
@@ -299,10 +301,13 @@ impl Predictor {
     }
 }
 
-pub(super) fn check(risk_weight: f64) -> Result<(), PreferenceError> {
+pub(super) fn check(risk_weight: f64) -> Result<(), Error> {
     match risk_weight >= 0.0 && risk_weight.is_finite() {
         true => Ok(()),
-        false => Err(PreferenceError::RiskWeight { risk_weight }),
+        false => {
+            let sentence = format!("risk weight c_r = {risk_weight} m must be finite and not negative");
+            Err(Error::new(sentence))
+        }
     }
 }
 

@@ -1,15 +1,14 @@
-//! What the robot has learned of the human.
+//! The quantities of the robot's belief about the human.
 
-use super::{Kind, PLAIN, Quantity, headings, json, quantities, read};
+use super::{Fields, Kind, PLAIN, Quantity, Value, fields, headings, quantities};
 use crate::learning::Learner;
 use crate::preference::{Estimate, Perception};
 use Kind::Numbers;
-use serde_json::Value;
 
 /// The number of values of alpha, and of gamma, in the grid of densities.
 const GRID: u32 = 32;
 
-/// What the robot has learned. Missing without `--belief learn`.
+/// The robot's belief about the human. Missing without `--belief learn`.
 pub const LEARNED: &[Quantity] = quantities! {
     "human", Kind::Record(|| headings(HUMAN)), "the belief over this human's alpha, gamma and eta", |v| v.episode.learner().map(human);
 };
@@ -41,9 +40,9 @@ pub(super) const HUMAN: &[OfHuman] = quantities! {
     "eta_interval", Numbers, "central 95 % interval of eta", |h| h.learner.tolerance().interval(0.95).to_vec();
 };
 
-fn human(learner: &Learner) -> Value {
+fn human(learner: &Learner) -> Fields {
     let estimate = learner.perception().clone().estimate();
-    json(read(HUMAN, &Human { learner, estimate }))
+    fields(HUMAN, &Human { learner, estimate })
 }
 
 fn densities(learner: &Learner) -> Vec<f64> {

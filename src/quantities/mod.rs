@@ -30,6 +30,7 @@ mod event;
 mod learned;
 mod preparation;
 mod tick;
+mod value;
 
 pub use episode::EPISODE;
 pub use event::{Event, Severity};
@@ -38,38 +39,21 @@ pub use preparation::PREPARATION;
 pub use tick::{
     BASE, CONTROL, COORDINATION, COST, INTERACTION, JOINTS, OPTION, OPTIONS, OptionView, STEP, TICK, TIME,
 };
+pub use value::{Fields, Value};
 
 use crate::episode::{Episode, Outcome};
 use crate::scenario::PreparedScenario;
-use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 
-/// Values by their keys, in the order of their table. Missing and non-finite values are null.
+/// Values by their keys, in the order of their table.
 pub type Record = Vec<(&'static str, Value)>;
-
-/// A record as a JSON object.
-pub fn json(record: Record) -> Value {
-    record.into_iter().collect()
-}
-
-/// A value as a table cell; empty if it is missing.
-pub fn cell(value: &Value) -> String {
-    match value {
-        Value::Null => String::new(),
-        Value::String(text) => text.clone(),
-        Value::Number(number) => {
-            number.as_f64().map_or_else(|| number.to_string(), |number| number.to_string())
-        }
-        other => other.to_string(),
-    }
-}
 
 /// An episode with its prepared scenario, which gives names to its indices.
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a> {
     /// The prepared scenario.
     pub prepared: &'a PreparedScenario,
-    /// The episode. Quantities of a control period are those of the last step taken.
+    /// The episode. Quantities of a control period are about the last step taken.
     pub episode: &'a Episode<'a>,
     /// The outcome of the episode; `None` if the user interrupted it.
     pub outcome: Option<Outcome>,
@@ -94,7 +78,7 @@ impl View<'_> {
         links.map(|pair| pair.map(|link| robot.links[link].name.as_str()).join(", "))
     }
 
-    /// What to say of an episode in which the robot touched itself.
+    /// A sentence about the robot's contacts with itself; `None` if it had none.
     pub fn self_contact(&self) -> Option<String> {
         let control = self.episode.summary().control.as_ref()?;
         let links = self.links(control.self_contact)?;
@@ -138,7 +122,7 @@ pub enum Kind {
     List(fn() -> Vec<Heading>),
 }
 
-/// What a value is, apart from its getter.
+/// A quantity without its getter: name, kind and meaning.
 #[derive(Clone, Copy, Debug)]
 pub struct Heading {
     /// Its name, which ends in its unit.
@@ -167,26 +151,6 @@ const NEWTON_METRES: Kind = Kind::Number("Nm");
 const JOULES: Kind = Kind::Number("J");
 const SQUARED_JERK: Kind = Kind::Number("m^2/s^5");
 
-impl Heading {
-    /// The JSON Schema of its value: one plain type, since Foxglove reads no others.
-    fn schema(&self) -> Value {
-        let mut schema = match self.kind {
-            Kind::Number(_) => json!({ "type": "number" }),
-            Kind::Count => json!({ "type": "integer" }),
-            Kind::Text => json!({ "type": "string" }),
-            Kind::Flag => json!({ "type": "boolean" }),
-            Kind::Numbers => json!({ "type": "array", "items": { "type": "number" } }),
-            Kind::Record(record) => schema(record()),
-            Kind::List(record) => json!({ "type": "array", "items": schema(record()) }),
-        };
-        schema["description"] = match self.kind {
-            Kind::Number(unit) if !unit.is_empty() => format!("{} [{unit}]", self.description).into(),
-            _ => self.description.into(),
-        };
-        schema
-    }
-}
-
 type Of<V> = Quantity<fn(&V) -> Value>;
 
 /// The values of these quantities, by their keys.
@@ -194,17 +158,15 @@ fn read<V>(quantities: &[Of<V>], of: &V) -> Record {
     quantities.iter().map(|quantity| (quantity.key, (quantity.get)(of))).collect()
 }
 
+/// The values of these quantities as a nested record.
+fn fields<V>(quantities: &[Of<V>], of: &V) -> Fields {
+    read(quantities, of).into_iter().collect()
+}
+
 /// The headings of the quantities of a record, in the order of their names. Each name stands once.
 pub fn headings<'a, Getter: 'a>(quantities: impl IntoIterator<Item = &'a Quantity<Getter>>) -> Vec<Heading> {
     let named = quantities.into_iter().map(|quantity| (quantity.key, Heading::from(quantity)));
     named.collect::<BTreeMap<_, _>>().into_values().collect()
-}
-
-/// The JSON Schema of a record with these headings. No property is required: missing values are left out.
-pub fn schema(headings: impl IntoIterator<Item = Heading>) -> Value {
-    let property = |heading: Heading| (heading.name.to_owned(), heading.schema());
-    let properties: Map<String, Value> = headings.into_iter().map(property).collect();
-    json!({ "type": "object", "properties": properties })
 }
 
 /// A table of quantities: key, kind, description and getter of each.
@@ -214,7 +176,7 @@ macro_rules! quantities {
             key: $key,
             kind: $kind,
             description: $description,
-            get: |$view| serde_json::Value::from($get),
+            get: |$view| $crate::quantities::Value::from($get),
         }),*]
     };
 }
@@ -225,7 +187,7 @@ mod tests {
     use super::*;
     use std::collections::BTreeSet;
 
-    /// Key and kind of every quantity, with those of nested records.
+    /// Key and kind of every quantity, nested ones included.
     fn all() -> Vec<(&'static str, Kind)> {
         fn of<Getter>(quantities: &[Quantity<Getter>]) -> Vec<(&'static str, Kind)> {
             quantities.iter().map(|quantity| (quantity.key, quantity.kind)).collect()

@@ -1,11 +1,10 @@
 //! The inputs of the controller's decision in a step: references, and the candidates of eq. (8). They are in
 //! recordings only.
 
-use super::{Kind, METRES, PLAIN, Quantity, RADIANS, View, headings, json, quantities, read};
+use super::{Fields, Kind, METRES, PLAIN, Quantity, RADIANS, Value, View, fields, headings, quantities};
 use crate::control::{CandidateCost, Reference};
 use crate::robot::Configuration;
 use Kind::{List, Numbers, Text};
-use serde_json::Value;
 
 /// The references and candidates of a step. Missing without a robot.
 #[rustfmt::skip]
@@ -46,8 +45,8 @@ const CONFIGURATION: &[OfConfiguration] = quantities! {
     "joints", Numbers, "positions of the joints, in the order of /joints, rad (prismatic: m)", |v| v.configuration.joints.as_slice()[..v.joints].to_vec();
 };
 
-/// The quantities of a candidate: its configuration, as JSON, and its evaluation.
-type OfCandidate = Quantity<fn(&(Value, CandidateCost)) -> Value>;
+/// The quantities of a candidate: its configuration and its evaluation.
+type OfCandidate = Quantity<fn(&(Fields, CandidateCost)) -> Value>;
 
 #[rustfmt::skip]
 const CANDIDATE: &[OfCandidate] = quantities! {
@@ -57,33 +56,31 @@ const CANDIDATE: &[OfCandidate] = quantities! {
         worked out", |(_, found)| found.cost;
 };
 
-fn references(view: &View) -> Option<Vec<Value>> {
+fn references(view: &View) -> Option<Vec<Fields>> {
     let decision_basis = view.episode.decision_basis()?;
     let is_led = view.preparation().is_some_and(|p| p.tracked.is_some());
     let pairs = decision_basis.references.iter().zip(decision_basis.weights).enumerate();
     let records = pairs.map(|(i, (reference, &weight))| {
         let name = view.option(if is_led { i } else { view.tick().executed });
-        json(read(REFERENCE, &ReferenceView { name, weight, reference }))
+        fields(REFERENCE, &ReferenceView { name, weight, reference })
     });
     Some(records.collect())
 }
 
-fn configuration(view: &View, configuration: &Configuration) -> Value {
+fn configuration(view: &View, configuration: &Configuration) -> Fields {
     let joints = view.prepared.robot().map_or(0, |robot| robot.joint_count());
-    json(read(CONFIGURATION, &ConfigurationView { configuration, joints }))
+    fields(CONFIGURATION, &ConfigurationView { configuration, joints })
 }
 
-fn candidates(view: &View) -> Option<Vec<Value>> {
+fn candidates(view: &View) -> Option<Vec<Fields>> {
     let decision_basis = view.episode.decision_basis()?;
     if view.preparation().is_none() {
         return Some(Vec::new());
     }
     let candidate_costs = decision_basis.poses.candidate_costs();
-    Some(
-        candidate_costs
-            .map(|c| json(read(CANDIDATE, &(configuration(view, &c.candidate.configuration), c))))
-            .collect(),
-    )
+    let candidates =
+        candidate_costs.map(|c| fields(CANDIDATE, &(configuration(view, &c.candidate.configuration), c)));
+    Some(candidates.collect())
 }
 
 /// Key and kind of every quantity in a nested record.

@@ -1,8 +1,9 @@
 //! The quantities of one planning step.
 
 use super::{
-    DEGREES, JOULES, Kind, METRES, METRES_PER_SECOND, NEWTON_METRES, NEWTONS, PLAIN, Quantity, RADIANS,
-    RADIANS_PER_SECOND, Record, SECONDS, SQUARED_JERK, View, headings, json, quantities, read,
+    DEGREES, Fields, JOULES, Kind, METRES, METRES_PER_SECOND, NEWTON_METRES, NEWTONS, PLAIN, Quantity,
+    RADIANS, RADIANS_PER_SECOND, Record, SECONDS, SQUARED_JERK, Value, View, fields, headings, quantities,
+    read,
 };
 use crate::control::{Failure, SolveOutcome};
 use crate::coordination::OptionTick;
@@ -10,7 +11,6 @@ use crate::episode::{ControlSummary, PhysicsTick, Preparation, RobotTick, Summar
 use crate::robot::{ArmJoint, Motion};
 use crate::simulation::Observation;
 use Kind::{Count, Flag, List, Text};
-use serde_json::Value;
 
 impl View<'_> {
     pub(super) fn tick(&self) -> &Tick {
@@ -61,7 +61,7 @@ impl View<'_> {
     }
 }
 
-/// The quantities of a control period in one row: all except those of the controller's preparation.
+/// The quantities of a control period in one row: all except the controller's preparation.
 pub const TICK: [&[Quantity]; 9] =
     [STEP, TIME, COORDINATION, COST, CONTROL, BASE, INTERACTION, OPTIONS, JOINTS];
 
@@ -219,9 +219,9 @@ pub const OPTION: &[OfOption] = quantities! {
     "misaligned", Flag, "omega_o, eq. (5): whether the team moves toward something other than this option's next opening", |v| v.option.misaligned;
 };
 
-fn options(view: &View) -> Vec<Value> {
+fn options(view: &View) -> Vec<Fields> {
     let options = view.tick().options.iter().enumerate();
-    options.map(|(o, option)| json(OptionView { name: view.option(o), option }.read())).collect()
+    options.map(|(o, option)| fields(OPTION, &OptionView { name: view.option(o), option })).collect()
 }
 
 /// The joints of the arm, one record each; none without a robot.
@@ -252,12 +252,12 @@ pub(super) const PRISMATIC: &[OfJoint] = quantities! {
     "rate_m_per_s", METRES_PER_SECOND, "u of a prismatic joint", |v| v.rate;
 };
 
-fn joints(view: &View) -> Vec<Value> {
+fn joints(view: &View) -> Vec<Fields> {
     let (Some(robot), Some(tick)) = (view.prepared.robot(), view.robot_tick()) else { return Vec::new() };
     let rates = robot.joint_rates(&tick.input);
     let joints = robot.joints.iter().enumerate().map(|(i, joint)| {
         let view = JointView { joint, position: tick.configuration.joints[i], rate: rates[i] };
-        json(read(if joint.motion == Motion::Revolute { REVOLUTE } else { PRISMATIC }, &view))
+        fields(if joint.motion == Motion::Revolute { REVOLUTE } else { PRISMATIC }, &view)
     });
     joints.collect()
 }

@@ -21,7 +21,7 @@ use std::path::Path;
 pub struct Draft {
     /// The text of the robot file.
     pub text: String,
-    /// What was assumed, a sentence each.
+    /// The assumptions, a sentence each.
     pub assumed: Vec<String>,
     /// The robot of the file.
     pub robot: Robot,

@@ -9,7 +9,7 @@ use crate::error::{Error, Place};
 use crate::geometry::Pose;
 use nalgebra::{Point3, Rotation3, Vector3};
 
-/// What was found in a URDF.
+/// The parts found in a URDF.
 #[derive(Clone, Debug)]
 pub(super) struct Parts {
     pub base: String,

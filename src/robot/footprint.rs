@@ -26,11 +26,11 @@ const LEFT_OUT_M: f64 = 0.002;
 /// Corners of the polygon around a circle.
 const CORNERS_OF_CIRCLE: u32 = 24;
 
-/// What a robot file asks for.
+/// The footprint that a robot file asks for.
 pub(super) enum Asked {
     /// A disc about the drive, as wide as the base.
     Disc,
-    /// A polygon around the base's collision shapes; the place is that of the key.
+    /// A polygon around the base's collision shapes, with the place of the key.
     Collision(Place),
     /// These corners, counter-clockwise.
     Corners(Vec<Point>),
@@ -46,7 +46,7 @@ impl Asked {
     }
 }
 
-/// What the key asks for.
+/// The footprint that the key asks for.
 pub(super) fn asked(source: Source, entry: &Option<Spanned<Value>>) -> Result<Asked, Error> {
     let Some(spanned) = entry else { return Ok(Asked::Disc) };
     let place = || source.place(spanned, "robot");

@@ -58,7 +58,7 @@ pub(super) struct Collision {
     pub remark: Option<String>,
 }
 
-/// What a mesh collides as.
+/// The shape as which a mesh collides.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub(super) enum Convex {

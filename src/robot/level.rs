@@ -25,7 +25,7 @@ const STEPS: usize = 100;
 /// Damping, far below the square of any singular value that matters.
 const DAMPING: f64 = 1e-9;
 const MAX_STEP: f64 = 0.4;
-/// The step that is none, rad or m.
+/// A step below which the search has converged, rad or m.
 const CONVERGED: f64 = 1e-11;
 
 impl Robot {

@@ -65,8 +65,8 @@ const ARM_RADIUS_M: f64 = 0.05;
 /// The spacing of the balls of eq. (7), m.
 const BALL_SPACING_M: f64 = 0.25;
 
-/// The best postures with the grasp at this height, best first; all have the roll of the best. Empty if there
-/// is none. The arm stays above the base's outline.
+/// The best postures with the grasp at this height, best first; all have the roll of the best. Empty if none
+/// exists. The arm stays above the base's outline.
 pub(super) fn search(robot: &Robot, height: f64, footprint: &Footprint) -> Vec<Found> {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let mut all: Vec<Found> = Vec::new();
@@ -104,7 +104,7 @@ pub(super) fn search(robot: &Robot, height: f64, footprint: &Footprint) -> Vec<F
     best
 }
 
-/// The largest difference of a joint between two postures, rad or m; full turns are none.
+/// The largest difference of a joint between two postures, rad or m; full turns do not count.
 fn difference(robot: &Robot, one: &Found, other: &Found) -> f64 {
     let by = one.joints - other.joints;
     let of = robot.joints.iter().zip(by.iter()).map(|(joint, by)| match joint.motion {

@@ -13,7 +13,7 @@ use std::path::Path;
 /// Makes the text of a URDF of a xacro. The simulator starts no program and expands none itself.
 pub type Expand = dyn Fn(&Path) -> Result<String, Error> + Sync;
 
-/// What a robot file is, in errors.
+/// The name of a robot file's kind, in errors.
 pub(super) const KIND: &str = "robot file";
 
 /// The source texts of a robot, from which it can be built again without the files.
@@ -44,7 +44,7 @@ pub struct RobotTexts {
 #[derive(Clone, Debug, Default)]
 struct MeshFolder(Option<MeshFolders>);
 
-/// Hulls, whose numbers are those of a file and so are never NaN.
+/// Hulls. Their numbers come from a file, so they are never NaN.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 struct SharedHulls(Hulls);

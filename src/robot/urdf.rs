@@ -33,7 +33,7 @@ const MAX_MESH_BYTES: u64 = 1 << 30;
 /// The namespace of namespaces.
 const XMLNS: &str = "http://www.w3.org/2000/xmlns/";
 
-/// What collision meshes collide as, by their names in the URDF.
+/// The convex shapes of collision meshes, by their names in the URDF.
 pub(super) type Hulls = BTreeMap<String, Convex>;
 
 /// A URDF being read: its name in errors, and the folders in which meshes are searched for. Without folders,

@@ -10,7 +10,7 @@ pub struct RobotWarning {
     is_about_file: bool,
 }
 
-/// What a [`RobotWarning`] is about.
+/// The subject of a [`RobotWarning`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WarningKind {
     /// Anything that leaves collisions as they are.
@@ -43,7 +43,7 @@ impl RobotWarning {
         self.is_about_file
     }
 
-    /// What it is about.
+    /// Its subject.
     pub fn kind(&self) -> WarningKind {
         self.kind
     }

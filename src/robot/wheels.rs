@@ -32,14 +32,14 @@ struct Wheel {
 
 /// The wheels that the robot file names: indices of their links.
 pub(super) enum Named {
-    /// Those of the left and of the right side, as many on either.
+    /// The wheels of the left and of the right side, as many on either.
     Sides {
         /// Left and right.
         wheels: [Vec<usize>; 2],
         /// The factor of the track of wheels that skid.
         multiplier: Option<f64>,
     },
-    /// Those of an omnidirectional base.
+    /// The wheels of an omnidirectional base.
     Omnidirectional(Omnidirectional),
 }
 

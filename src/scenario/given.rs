@@ -41,7 +41,7 @@ enum TextOr<Text, Parsed> {
 }
 
 impl<Text, Parsed> TextOr<Text, Parsed> {
-    /// What was parsed, if it was.
+    /// The parsed part, if it was parsed.
     fn parsed(&self) -> Option<&Arc<Parsed>> {
         match self {
             Self::Text(_, parsed) => parsed.get(),

@@ -104,7 +104,7 @@ impl Scenario {
     }
 
     /// The scenario of a seed, without preference changes: on the command line, in studies and in Python.
-    /// What is not given of its human is drawn from `humans`.
+    /// Parameters of its human that are not given are drawn from `humans`.
     pub fn of_seed(
         seed: u64,
         world: GivenWorld,

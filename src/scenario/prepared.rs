@@ -152,7 +152,7 @@ impl PreparedScenario {
         self.robot()?.slow_drive(self.scenario.settings.speed)
     }
 
-    /// What a user of this robot in this world should know: that the world is planned for its width in place
+    /// Warnings for a user of this robot in this world: that the world is planned for its width in place
     /// of a smaller one; and, on the plant with contacts, which shapes are missing and what collides in their
     /// place.
     pub fn robot_warnings(&self) -> Vec<String> {

@@ -1,4 +1,4 @@
-//! What a setting of an episode is: its key, words and range, and its field in a scenario.
+//! A setting of an episode: its key, words and range, and its field in a scenario.
 
 use super::word::{Word, one_of};
 use super::{PlantKind, Scenario};
@@ -204,7 +204,7 @@ impl Applies {
         }
     }
 
-    /// What the setting needs, for errors.
+    /// The parts that the setting needs, for errors.
     pub fn what(self) -> &'static str {
         match self {
             Self::Always => "a team",

@@ -133,7 +133,7 @@ impl Snapshot {
     }
 }
 
-/// What is wrong with contents that are not those of a snapshot.
+/// A fault in the contents of a snapshot.
 fn fault_of(fault: DecodeError<Infallible>) -> String {
     match fault {
         DecodeError::Custom(sentence) => sentence.into(),

@@ -33,7 +33,7 @@ const TURN_STEP_M: f64 = 0.1;
 /// The distance between the points of a way that are looked at, m.
 const LOOK_M: f64 = 0.02;
 
-/// What decides on the place of a team at its start.
+/// The conditions that decide where a team starts.
 #[derive(Clone, Copy)]
 pub struct Surroundings<'a, 'b> {
     /// The world.
@@ -249,7 +249,7 @@ struct NoRoom {
 }
 
 impl NoRoom {
-    /// What is missing at the start, and where to start instead.
+    /// The room that is missing at the start, and where to start instead.
     fn at_start(&self, world: &World, nearest: Option<Point>) -> Error {
         let Self { x, y, distance, obstacle, needed, length } = self;
         let fault = match needed - distance {
@@ -263,7 +263,7 @@ impl NoRoom {
         refused(world, format_args!("no room at the start: {fault}{instead}"))
     }
 
-    /// What is missing at the end of an option.
+    /// The room that is missing at the end of an option.
     fn at_target(&self, world: &World, option: &str) -> Error {
         let Self { x, y, distance, obstacle, needed, length } = self;
         refused(

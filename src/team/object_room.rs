@@ -38,7 +38,7 @@ const BASE_BEHIND_M: f64 = 1.5;
 /// A push inward (m), and its weight (m), for a turn that is twice as sharp as the sharpest.
 const SHARP_PUSH_M: f64 = 0.1;
 const SHARP_WEIGHT_M: f64 = 0.05;
-/// What may be missing at the end, m.
+/// The room that may be missing at the end, m.
 const TOLERANCE_M: f64 = 0.005;
 
 /// An object and the surroundings in which it must have room.

@@ -265,8 +265,8 @@ impl TeamPath {
 
     /// The position along `path` (m), no farther back than `least`, to which a team with the object's centre
     /// at `along` should reverse to turn. `None` if there is no such place, or if the team reaches one before
-    /// the human crosses the next opening. `can_turn` tells of a position (m) along the path whether the team
-    /// can turn there.
+    /// the human crosses the next opening. `can_turn` tells whether the team can turn at a position (m) along
+    /// the path.
     pub fn place_to_turn(
         &self,
         path: &Path,

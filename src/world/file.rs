@@ -50,7 +50,7 @@ pub(super) enum ShapeEntry {
     Box,
     Cylinder,
     Polygon,
-    /// What is around a polygon: the walls of a room.
+    /// The surroundings of a polygon: the walls of a room.
     Room,
 }
 

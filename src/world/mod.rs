@@ -85,7 +85,7 @@ pub struct World {
     pub object: CarriedObject,
     /// The obstacles, in file order.
     pub obstacles: Vec<Obstacle>,
-    /// What paths keep clear of: the obstacles, those that touch as one.
+    /// The bodies that paths keep clear of: the obstacles, those that touch as one.
     pub(crate) solids: Vec<Solid>,
     /// The obstacles that each of these consists of.
     members: Vec<Vec<usize>>,
@@ -229,7 +229,7 @@ impl World {
         !self.is_widened && width <= self.robot_width + WIDTH_TOLERANCE_M
     }
 
-    /// What is probably a mistake, such as lengths in millimetres, a sentence each.
+    /// Probable mistakes, such as lengths in millimetres, a sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let Self { file, robot_width, start, target, .. } = self;
         let mut warnings = Vec::new();

@@ -25,7 +25,7 @@ pub(crate) struct Description {
     pub mode: Mode,
 }
 
-/// What the values of an image's cells mean.
+/// The meaning of the values of an image's cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Mode {
     /// The probability of being occupied, by darkness. What is between the thresholds is unknown.

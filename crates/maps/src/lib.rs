@@ -76,7 +76,7 @@ fn extension(path: &Path) -> String {
     path.extension().map_or(String::new(), |extension| extension.to_string_lossy().to_lowercase())
 }
 
-/// What a map lacks for a world.
+/// The parts of a world that a map does not have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ends {
     /// The start A, m.

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// The obstacles of the plan in a file: its polygons. Properties `name`, `height_m` and `shape` of a feature
-/// are those of its obstacles.
+/// apply to its obstacles.
 pub(crate) fn obstacles(path: &Path, request: &Request) -> Result<String, Error> {
     let file = path.display().to_string();
     let text = read_at_most(4 * MAX_WORLD, path)?;

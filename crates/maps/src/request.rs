@@ -1,4 +1,4 @@
-//! What a world asks of a map.
+//! The request of a world for a map.
 
 use cocarry::geometry::Point;
 use serde::Deserialize;
@@ -6,7 +6,7 @@ use serde::Deserialize;
 /// The height of obstacles whose map gives none, m.
 pub(crate) const HEIGHT_M: f64 = 2.0;
 
-/// What a world asks of a map.
+/// The request of a world for a map.
 pub(crate) struct Request {
     /// The world file, for errors.
     pub file: String,
@@ -64,7 +64,7 @@ pub(crate) struct MapEntry {
     pub unit: Unit,
 }
 
-/// What unknown cells count as.
+/// The meaning of unknown cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Unknown {

@@ -1,5 +1,4 @@
-//! What results are written as: output files that appear complete or not at all, the colours of all pictures,
-//! and maps and curves as SVG.
+//! Outputs: files that appear complete or not at all, the colours of all pictures, and maps and curves as SVG.
 
 pub mod drawing;
 pub mod output_file;

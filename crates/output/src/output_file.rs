@@ -6,6 +6,8 @@
 //! [`OutputFile::resumable`] takes `NAME.partial`, which remains after a crash and can be resumed or
 //! recovered. Its writer holds a lock on it, so that a name has one writer.
 
+use cocarry::error::Place;
+use std::fmt::Display;
 use std::fs::{File, Metadata, OpenOptions, TryLockError};
 use std::io::{BufReader, BufWriter, Error, ErrorKind, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -13,81 +15,76 @@ use std::path::{Path, PathBuf};
 /// The error of a file that cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
-    /// The file exists.
-    #[error("{}: exists already; choose another name, or give --overwrite", file.display())]
-    Exists {
-        /// The file.
-        file: PathBuf,
-    },
-    /// An unfinished file of that name exists.
-    #[error(
-        "{}: exists already and is unfinished; recover or remove it, choose another name, or give --overwrite",
-        file.display()
-    )]
-    LeftOver {
-        /// The unfinished file.
-        file: PathBuf,
-    },
-    /// The name belongs to something other than a file.
-    #[error("{}: is a {kind}, which is never replaced; choose another name", file.display())]
-    NotAFile {
-        /// The output file.
-        file: PathBuf,
-        /// What has the name, such as a directory.
-        kind: &'static str,
-    },
-    /// The name of a folder belongs to something else.
-    #[error("{}: is a {kind}, not a folder; choose another name", file.display())]
-    NotAFolder {
-        /// The folder.
-        file: PathBuf,
-        /// What has the name, such as a file.
-        kind: &'static str,
-    },
-    /// The file is an input of the command.
-    #[error("{}: is an input of this command, which is never replaced; choose another name", file.display())]
-    Input {
-        /// The file.
-        file: PathBuf,
-    },
-    /// Another process is writing the file.
-    #[error("{}: another process is writing it", file.display())]
-    Busy {
-        /// The file.
-        file: PathBuf,
-    },
-    /// The system has no such names.
-    #[error("{}: cannot be the name of a file", file.display())]
-    Name {
-        /// The file.
-        file: PathBuf,
-        /// What the system said.
-        source: Error,
-    },
-    /// The system cannot write the file.
-    #[error("{}: cannot be written", file.display())]
-    Write {
-        /// The file.
-        file: PathBuf,
-        /// What the system said.
-        source: Error,
-    },
-    /// The complete file cannot be renamed.
-    #[error("{}: is complete, but cannot be renamed to {}", partial.display(), file.display())]
-    Rename {
-        /// Its present name.
-        partial: PathBuf,
-        /// Its final name.
-        file: PathBuf,
-        /// What the system said.
-        source: Error,
-    },
+    /// The name is refused, before the system is asked.
+    #[error(transparent)]
+    Refused(cocarry::Error),
+    /// The system cannot write or rename the file.
+    #[error(transparent)]
+    Failed(cocarry::Error),
 }
 
+/// The sentences.
 impl OutputError {
+    fn refused(file: &Path, sentence: impl Display) -> Self {
+        Self::Refused(cocarry::Error::at(Place::file(file.display().to_string()), sentence))
+    }
+
+    fn failed(file: &Path, sentence: impl Display, source: Error) -> Self {
+        let place = Place::file(file.display().to_string());
+        Self::Failed(cocarry::Error::at(place, sentence).because(source))
+    }
+
+    /// A file that exists.
+    pub fn exists(file: &Path) -> Self {
+        Self::refused(file, "exists already; choose another name, or give --overwrite")
+    }
+
+    /// An unfinished file that exists.
+    fn left_over(file: &Path) -> Self {
+        let sentence = "exists already and is unfinished; recover or remove it, choose another name, or give --overwrite";
+        Self::refused(file, sentence)
+    }
+
+    /// The name of something other than a file, such as a directory.
+    fn not_a_file(file: &Path, kind: &str) -> Self {
+        Self::refused(file, format_args!("is a {kind}, which is never replaced; choose another name"))
+    }
+
+    /// The name of something other than a folder, such as a file.
+    pub fn not_a_folder(file: &Path, kind: &str) -> Self {
+        Self::refused(file, format_args!("is a {kind}, not a folder; choose another name"))
+    }
+
+    /// An input of the command.
+    fn input(file: &Path) -> Self {
+        Self::refused(file, "is an input of this command, which is never replaced; choose another name")
+    }
+
+    /// A file that another process is writing.
+    pub fn busy(file: &Path) -> Self {
+        Self::refused(file, "another process is writing it")
+    }
+
+    /// A name that no file can have.
+    fn no_name(file: &Path, source: Error) -> Self {
+        let place = Place::file(file.display().to_string());
+        Self::Refused(cocarry::Error::at(place, "cannot be the name of a file").because(source))
+    }
+
+    /// A file that the system cannot write.
+    pub fn write(file: &Path, source: Error) -> Self {
+        Self::failed(file, "cannot be written", source)
+    }
+
+    /// A complete file that the system cannot rename.
+    pub fn rename(partial: &Path, file: &Path, source: Error) -> Self {
+        let sentence = format_args!("is complete, but cannot be renamed to {}", file.display());
+        Self::failed(partial, sentence, source)
+    }
+
     /// Whether the name was refused, before the system was asked.
     pub fn is_refusal(&self) -> bool {
-        !matches!(self, Self::Write { .. } | Self::Rename { .. })
+        matches!(self, Self::Refused(_))
     }
 }
 
@@ -107,11 +104,11 @@ impl Outputs {
     /// The check that a file may be written. Call it before the work.
     ///
     /// # Errors
-    /// [`OutputError`] for which [`OutputError::is_refusal`].
+    /// [`OutputError::Refused`].
     pub fn check(&self, file: &Path) -> Result<(), OutputError> {
         let same = |input: &PathBuf| input == file || is_same(input, file);
         if self.inputs.iter().any(same) {
-            return Err(OutputError::Input { file: file.to_owned() });
+            return Err(OutputError::input(file));
         }
         existing(file, self.overwrite)?;
         nameable(file)?;
@@ -121,11 +118,11 @@ impl Outputs {
     /// The check that the folder of a file exists, for a file that is written after the work.
     ///
     /// # Errors
-    /// [`OutputError::Write`].
+    /// [`OutputError`].
     pub fn check_folder(file: &Path) -> Result<(), OutputError> {
         let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
         let found = folder.map_or(Ok(()), |folder| folder.metadata().map(drop));
-        found.map_err(|source| OutputError::Write { file: file.to_owned(), source })
+        found.map_err(|source| OutputError::write(file, source))
     }
 
     /// Writes a whole file.
@@ -143,7 +140,7 @@ impl Outputs {
     pub fn begin(&self, file: &Path, contents: impl AsRef<[u8]>) -> Result<OutputFile, OutputError> {
         let mut output = self.create(file)?;
         let written = output.write_all(contents.as_ref()).and_then(|()| output.flush());
-        written.map_err(|source| OutputError::Write { file: file.to_owned(), source })?;
+        written.map_err(|source| OutputError::write(file, source))?;
         Ok(output)
     }
 
@@ -180,7 +177,7 @@ impl OutputFile {
 
     fn under_own_name(file: &Path, overwrite: bool) -> Result<Self, OutputError> {
         let replaced = existing(file, overwrite)?;
-        let write = |source| OutputError::Write { file: file.to_owned(), source };
+        let write = |source| OutputError::write(file, source);
         let own = |n: u32| file.with_file_name(format!(".cocarry-{n}.tmp"));
         let mut options = OpenOptions::new();
         options.write(true).create_new(true);
@@ -204,7 +201,7 @@ impl OutputFile {
     /// [`OutputError`].
     pub fn resumable(file: &Path, overwrite: bool) -> Result<(Self, u64), OutputError> {
         let partial = partial_name(file);
-        let write = |source| OutputError::Write { file: partial.clone(), source };
+        let write = |source| OutputError::write(&partial, source);
         loop {
             existing(file, overwrite)?;
             existing(&partial, true)?;
@@ -213,7 +210,7 @@ impl OutputFile {
             let opened = opened.map_err(write)?;
             match opened.try_lock() {
                 Ok(()) => {}
-                Err(TryLockError::WouldBlock) => return Err(OutputError::Busy { file: partial }),
+                Err(TryLockError::WouldBlock) => return Err(OutputError::busy(&partial)),
                 Err(TryLockError::Error(source)) => return Err(write(source)),
             }
             // the previous holder of the lock may just have renamed the file: then this is not the partial
@@ -224,9 +221,7 @@ impl OutputFile {
                 let replaced = existing(file, overwrite)?;
                 let mut output = Self::new(file, partial, overwrite, opened);
                 output.is_removed = metadata.len() == 0;
-                output
-                    .take_permissions(replaced)
-                    .map_err(|source| OutputError::Write { file: file.to_owned(), source })?;
+                output.take_permissions(replaced).map_err(|source| OutputError::write(file, source))?;
                 return Ok((output, metadata.len()));
             }
         }
@@ -239,9 +234,9 @@ impl OutputFile {
     pub fn anew(file: &Path, overwrite: bool) -> Result<Self, OutputError> {
         let (mut output, length) = Self::resumable(file, overwrite)?;
         if length > 0 && !overwrite {
-            return Err(OutputError::LeftOver { file: output.partial.clone() });
+            return Err(OutputError::left_over(&output.partial));
         }
-        output.cut(0).map_err(|source| OutputError::Write { file: output.partial.clone(), source })?;
+        output.cut(0).map_err(|source| OutputError::write(&output.partial, source))?;
         output.is_removed = true;
         Ok(output)
     }
@@ -284,13 +279,13 @@ impl OutputFile {
     /// [`OutputFile::keep`].
     ///
     /// # Errors
-    /// [`OutputError`], also that of `write`.
+    /// [`OutputError`], also from `write`.
     pub fn finish_as(
         mut self,
         write: impl FnOnce(&mut BufReader<&File>, &mut Self) -> Result<(), OutputError>,
     ) -> Result<(), OutputError> {
         let partial = self.partial.clone();
-        let unread = |source| OutputError::Write { file: partial, source };
+        let unread = |source| OutputError::write(&partial, source);
         self.writer.flush().and_then(|()| self.writer.rewind()).map_err(unread)?;
         let mut whole = Self::under_own_name(&self.file, self.overwrite)?;
         write(&mut BufReader::new(self.as_file()), &mut whole)?;
@@ -305,20 +300,18 @@ impl OutputFile {
     /// [`OutputError`], also if another file has the name meanwhile and may not be replaced.
     pub fn finish(mut self) -> Result<(), OutputError> {
         let synced = self.writer.flush().and_then(|()| self.as_file().sync_all());
-        synced.map_err(|source| OutputError::Write { file: self.partial.clone(), source })?;
+        synced.map_err(|source| OutputError::write(&self.partial, source))?;
         existing(&self.file, self.overwrite)?;
         let named = match self.overwrite {
             true => std::fs::rename(&self.partial, &self.file),
             false => link(&self.partial, &self.file),
         };
         match named {
-            Err(error) if error.kind() == ErrorKind::AlreadyExists => {
-                Err(OutputError::Exists { file: self.file.clone() })
-            }
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => Err(OutputError::exists(&self.file)),
             Err(source) => {
                 // the file is complete and must stay
                 self.is_removed = false;
-                Err(OutputError::Rename { partial: self.partial.clone(), file: self.file.clone(), source })
+                Err(OutputError::rename(&self.partial, &self.file, source))
             }
             Ok(()) => {
                 self.is_removed = false;
@@ -374,8 +367,8 @@ fn existing(file: &Path, overwrite: bool) -> Result<Option<Metadata>, OutputErro
     };
     match kind {
         "" if overwrite => Ok(Some(found)),
-        "" => Err(OutputError::Exists { file: file.to_owned() }),
-        kind => Err(OutputError::NotAFile { file: file.to_owned(), kind }),
+        "" => Err(OutputError::exists(file)),
+        kind => Err(OutputError::not_a_file(file, kind)),
     }
 }
 
@@ -383,7 +376,7 @@ fn existing(file: &Path, overwrite: bool) -> Result<Option<Metadata>, OutputErro
 fn nameable(file: &Path) -> Result<(), OutputError> {
     match file.symlink_metadata() {
         Err(source) if source.kind() == ErrorKind::InvalidFilename => {
-            Err(OutputError::Name { file: file.to_owned(), source })
+            Err(OutputError::no_name(file, source))
         }
         _ => Ok(()),
     }
@@ -396,7 +389,7 @@ fn unlocked(file: &Path) -> Result<(), OutputError> {
     let is_file = partial.symlink_metadata().is_ok_and(|found| found.is_file());
     let other = is_file.then(|| File::open(&partial).ok()).flatten();
     match other.map(|other| other.try_lock_shared()) {
-        Some(Err(TryLockError::WouldBlock)) => Err(OutputError::Busy { file: partial }),
+        Some(Err(TryLockError::WouldBlock)) => Err(OutputError::busy(&partial)),
         _ => Ok(()),
     }
 }
@@ -438,13 +431,20 @@ mod tests {
         names
     }
 
+    /// The sentence of a name that was refused.
+    fn refusal<T>(result: Result<T, OutputError>) -> String {
+        let error = result.err().expect("it is refused");
+        assert!(error.is_refusal(), "{error}");
+        error.to_string()
+    }
+
     #[test]
     fn a_file_is_written_whole_or_not_at_all() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.txt");
         Outputs::default().write(&path, "one").unwrap();
         let again = Outputs::default().write(&path, "two");
-        assert!(matches!(again, Err(OutputError::Exists { .. })), "{again:?}");
+        assert!(refusal(again).contains("exists already; "));
         let mut output = OutputFile::create(&path, true).unwrap();
         output.write_all(b"half of th").unwrap();
         assert_eq!(std::fs::read(&path).unwrap(), b"one");
@@ -466,7 +466,7 @@ mod tests {
         let path = folder.path().join("a.txt");
         let output = OutputFile::create(&path, false).unwrap();
         std::fs::write(&path, "mine").unwrap();
-        assert!(matches!(output.finish(), Err(OutputError::Exists { .. })));
+        assert!(refusal(output.finish()).contains("exists already; "));
         assert_eq!(
             (std::fs::read(&path).unwrap(), names(folder.path())),
             (b"mine".to_vec(), vec!["a.txt".to_owned()])
@@ -480,15 +480,15 @@ mod tests {
         std::fs::write(path("world.toml"), "mine").unwrap();
         std::fs::create_dir(path("folder")).unwrap();
         let outputs = Outputs::new(true, [path("folder/../world.toml")]);
-        assert!(matches!(outputs.write(&path("world.toml"), "x"), Err(OutputError::Input { .. })));
-        assert!(matches!(outputs.write(&path("folder"), "x"), Err(OutputError::NotAFile { .. })));
+        assert!(refusal(outputs.write(&path("world.toml"), "x")).contains("is an input of"));
+        assert!(refusal(outputs.write(&path("folder"), "x")).contains("which is never replaced"));
         #[cfg(unix)]
         {
             use std::os::unix::fs::{PermissionsExt, symlink};
             std::fs::write(path("other"), "").unwrap();
             symlink(path("other"), path("link")).unwrap();
-            assert!(matches!(outputs.write(&path("link"), "x"), Err(OutputError::NotAFile { .. })));
-            assert!(matches!(outputs.check(Path::new("/dev/null")), Err(OutputError::NotAFile { .. })));
+            assert!(refusal(outputs.write(&path("link"), "x")).contains("which is never replaced"));
+            assert!(refusal(outputs.check(Path::new("/dev/null"))).contains("which is never replaced"));
             std::fs::write(path("private"), "").unwrap();
             std::fs::set_permissions(path("private"), PermissionsExt::from_mode(0o600)).unwrap();
             outputs.write(&path("private"), "x").unwrap();
@@ -506,13 +506,15 @@ mod tests {
         first.keep();
         first.write_all(b"row\n").unwrap();
         for overwrite in [false, true] {
-            assert!(matches!(OutputFile::resumable(&path, overwrite), Err(OutputError::Busy { .. })));
-            assert!(matches!(OutputFile::anew(&path, overwrite), Err(OutputError::Busy { .. })));
-            assert!(matches!(OutputFile::create(&path, overwrite), Err(OutputError::Busy { .. })));
+            assert!(
+                refusal(OutputFile::resumable(&path, overwrite)).contains("another process is writing it")
+            );
+            assert!(refusal(OutputFile::anew(&path, overwrite)).contains("another process is writing it"));
+            assert!(refusal(OutputFile::create(&path, overwrite)).contains("another process is writing it"));
         }
         drop(first);
         assert_eq!(names(folder.path()), ["a.csv.partial"]);
-        assert!(matches!(OutputFile::anew(&path, false), Err(OutputError::LeftOver { .. })));
+        assert!(refusal(OutputFile::anew(&path, false)).contains("is unfinished"));
         let (again, length) = OutputFile::resumable(&path, false).unwrap();
         assert_eq!(length, 4);
         again.finish().unwrap();

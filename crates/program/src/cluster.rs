@@ -211,7 +211,7 @@ fn ranges(ranges: &[[u64; 2]]) -> String {
     ranges.iter().map(text).collect::<Vec<_>>().join(", ")
 }
 
-/// The name of a state, and what there is to say of it.
+/// The name of a state, and remarks about it.
 fn in_words(state: &ShardState) -> (&'static str, &str) {
     match state {
         ShardState::Done => ("done", ""),

@@ -310,7 +310,7 @@ impl EpisodeReport<'_> {
             "warnings": warnings,
         });
         for (key, value) in self.view().read(EPISODE) {
-            report[key] = value;
+            report[key] = json!(value);
         }
         if let Some(step) = self.resumed {
             report["resumed_at_step"] = json!(step);

@@ -35,7 +35,7 @@ impl FileKind {
         }
     }
 
-    /// What it is, and where it belongs.
+    /// The kind, and where such a file belongs.
     fn advice(self) -> &'static str {
         match self {
             Self::World => {

@@ -98,7 +98,7 @@ enum RobotAction {
     Init(robot_init::InitArguments),
 }
 
-/// What the program's help ends with.
+/// The last lines of the program's help.
 fn after_help() -> String {
     let examples = output::examples(&[
         ("cocarry", "an episode, with defaults"),
@@ -118,8 +118,8 @@ fn after_help() -> String {
         "With no command, one episode is run in the paper's Environment 4 with the human of its example.\n\n\
         Exit codes:\n  \
         0    done (run: the team arrived; replay: identical)\n  \
-        1    replay: different; regress check: figures moved; calibrate: not calibrated;\n  \
-        \x20    cluster gather: shards missing\n  \
+        1    replay: different; regress check: figures moved;\n  \
+        \x20    calibrate: not calibrated; cluster gather: shards missing\n  \
         2    bad input\n  \
         3    the team did not arrive\n  \
         4    an output could not be written\n  \

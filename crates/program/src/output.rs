@@ -6,9 +6,10 @@ use anstyle::Style;
 use anyhow::{Context, Error, anyhow};
 use clap::Args;
 use cocarry::coordination::OptionTick;
-use cocarry::quantities::{self, OptionView};
+use cocarry::quantities::{Fields, OptionView};
 use cocarry_output::output_file::{OutputError, Outputs};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde_json::json;
 use std::borrow::Cow;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -141,7 +142,7 @@ pub(super) fn option_json(
     openings: &[impl AsRef<str>],
     option: &OptionTick,
 ) -> serde_json::Value {
-    let mut fields = quantities::json(OptionView { name, option }.read());
+    let mut fields = json!(OptionView { name, option }.read().into_iter().collect::<Fields>());
     fields["openings"] = openings.iter().map(AsRef::as_ref).collect();
     fields
 }

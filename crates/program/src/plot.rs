@@ -180,10 +180,6 @@ fn picture_of_plane(file: &Path, quantity: &str, cells: usize) -> Result<String,
     draw(file, heat_maps(&panels, plane.ranges, &title(quantity)), quantity)
 }
 
-fn draw(
-    file: &Path,
-    drawn: Result<String, cocarry_output::drawing::DrawingError>,
-    quantity: &str,
-) -> Result<String, Failure> {
+fn draw(file: &Path, drawn: Result<String, cocarry::Error>, quantity: &str) -> Result<String, Failure> {
     drawn.with_context(|| format!("{}: `{quantity}` cannot be drawn", file.display())).map_err(Failure::Input)
 }

@@ -8,7 +8,6 @@ use super::scenario::ScenarioArguments;
 use anyhow::anyhow;
 use clap::error::ContextKind;
 use clap::{ArgAction, Args, CommandFactory, Parser, Subcommand};
-use cocarry::quantities::cell;
 use cocarry::scenario::Scenario;
 use cocarry::suggestion::shell_word;
 use cocarry_output::output_file::Outputs;
@@ -178,7 +177,7 @@ fn text(is_check: bool, runs: usize, figures: usize, found: &[Moved]) -> String 
     }
     let mut shown = table(["run", "figure", "recorded", "now", "change", "may move by"], 2);
     for moved in found {
-        let figure = |figure: &Option<Figure>| figure.as_ref().map_or("-".to_owned(), cell);
+        let figure = |figure: &Option<Figure>| figure.as_ref().map_or("-".to_owned(), Figure::cell);
         let [before, now] = [&moved.recorded, &moved.now].map(|f| f.as_ref().and_then(Figure::as_f64));
         let change = before.zip(now).map(|(before, now)| {
             let change = now - before;

@@ -6,12 +6,12 @@ use clap::Args;
 use cocarry::robot::Robot;
 use cocarry_output::output_file::Outputs;
 use cocarry_recording::recording::{Playback, Reader};
-use cocarry_recording::rendering::{self, RenderError, Width};
+use cocarry_recording::rendering::{self, Width};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// The kinds of files, by their endings.
+/// The kinds of files, by their extensions.
 const KINDS: [(&str, PictureKind); 5] = [
     ("html", PictureKind::Player),
     ("svg", PictureKind::StripSvg),
@@ -140,7 +140,7 @@ impl Target {
             PictureKind::Moving => Width::Pixels(760),
             _ => Width::Inches(7.0),
         });
-        let rendered: Result<Vec<u8>, RenderError> = match self.kind {
+        let rendered: Result<Vec<u8>, cocarry::Error> = match self.kind {
             PictureKind::Player => {
                 let robot = form.robot.map(Robot::load).transpose().map_err(input)?;
                 rendering::player(&playback, &title, robot.as_ref()).map(String::into_bytes)

@@ -130,7 +130,7 @@ fn rows(robot: &Robot) -> Vec<PostureRow<'_>> {
 /// The largest distance from the base's axis (m) at which a grasp is said to be on it.
 const ON_AXIS_M: f64 = 0.01;
 
-/// What a user should know, besides the warnings about the files.
+/// Remarks for the user, besides the warnings about the files.
 fn remarks(robot: &Robot) -> Vec<String> {
     let mut remarks: Vec<String> = robot.warnings.iter().map(ToString::to_string).collect();
     let width = robot.width();

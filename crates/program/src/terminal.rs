@@ -1,4 +1,4 @@
-//! What a terminal shows: its width, lines wrapped at words, colours for what matters.
+//! Text for a terminal: its width, lines wrapped at words, colours for what matters.
 
 use anstyle::{AnsiColor, Style};
 use std::borrow::Cow;

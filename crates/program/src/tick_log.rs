@@ -2,10 +2,10 @@
 
 use super::output::{Failure, write_file};
 use anyhow::{Context, Error};
-use cocarry::quantities::{Record, TICK, View, json};
+use cocarry::quantities::{Fields, Record, TICK, Value, View};
 use cocarry_output::output_file::Outputs;
 use cocarry_studies::table::{plain, text_cell};
-use serde_json::Value;
+use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// A file of ticks. Its extension gives the format.
@@ -68,7 +68,9 @@ impl TickLog<'_> {
                 written.map_err(|error| Failure::Output(Error::new(error)))?;
                 *is_empty = false;
             }
-            Lines::Json(text) => *text += &format!("{}\n", json(record)),
+            Lines::Json(text) => {
+                *text += &format!("{}\n", json!(record.into_iter().collect::<Fields>()));
+            }
         }
         Ok(())
     }
@@ -92,10 +94,10 @@ fn cells(record: &Record) -> Vec<(String, String)> {
     let mut cells = Vec::new();
     for (key, value) in record {
         match value {
-            Value::Array(items) => {
-                for fields in items.iter().filter_map(Value::as_object) {
-                    let name = fields.get("name").map_or(String::new(), plain);
-                    let rest = fields.iter().filter(|(key, _)| *key != "name");
+            Value::List(items) => {
+                for fields in items {
+                    let name = fields.get("name").map_or(String::new(), Value::cell);
+                    let rest = fields.iter().filter(|(key, _)| **key != "name");
                     cells.extend(rest.map(|(key, value)| (format!("{key}[{name}]"), cell(value))));
                 }
             }
@@ -107,7 +109,7 @@ fn cells(record: &Record) -> Vec<(String, String)> {
 
 fn cell(value: &Value) -> String {
     match value {
-        Value::Bool(flag) => u8::from(*flag).to_string(),
-        value => text_cell(&plain(value)).into_owned(),
+        Value::Flag(flag) => u8::from(*flag).to_string(),
+        value => text_cell(&plain(&json!(value))).into_owned(),
     }
 }

@@ -8,7 +8,7 @@ use cocarry::geometry::{PlanarPose, Point};
 use cocarry::human::Stance;
 use cocarry::math;
 use cocarry::policy::{Decision, Motion};
-use cocarry::quantities::{OPTION, OptionView};
+use cocarry::quantities::{OPTION, OptionView, Value};
 use cocarry::robot::InputVector;
 use cocarry::scenario::{GivenPerception, PreparedScenario};
 use std::sync::Arc;
@@ -137,7 +137,7 @@ impl Rules {
             let option = OptionView { name: &option.name, option: evaluated };
             for quantity in OPTION.iter().filter(|quantity| quantity.key != "name") {
                 let value = (quantity.get)(&option);
-                put(value.as_f64().unwrap_or_else(|| f64::from(u8::from(value.as_bool() == Some(true)))));
+                put(value.as_f64().unwrap_or_else(|| f64::from(u8::from(value == Value::Flag(true)))));
             }
             put(f64::from(u8::from(view.executed == Some(i))));
         }

@@ -92,7 +92,7 @@ impl RobotObstacles {
     }
 
     /// Calls `on_near` for every obstacle within `reach` (m, not negative) of a polygon at this pose, with
-    /// the nearest point of the polygon. `radius` is that of the polygon's circle, m.
+    /// the nearest point of the polygon. `radius` is the radius of the polygon's circle, m.
     pub fn near_outline(
         &self,
         pose: &PlanarPose,

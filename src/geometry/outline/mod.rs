@@ -9,7 +9,7 @@ use spade::Triangulation;
 use std::collections::BTreeSet;
 use triangles::{convex_parts, enclosed, point, rings, triangles};
 
-/// A turn of the outline whose sine is below this is none: three corners are on a line.
+/// A turn whose sine is below this does not count: its three corners are on a line.
 const STRAIGHT_SINE: f64 = 1e-9;
 
 /// The outline of an area: closed rings that do not cross, with the area on their left. Rings around it are
@@ -405,7 +405,7 @@ mod tests {
         assert_eq!(Outline::inside(square).unwrap().rings()[0].len(), 4);
     }
 
-    /// What is inside of a star with random corners, against the number of sides that a ray crosses.
+    /// The inside of a star with random corners, against the number of sides that a ray crosses.
     #[test]
     fn property_parts_are_convex_and_fill_the_outline() {
         let mut rng = ChaCha8Rng::seed_from_u64(3);

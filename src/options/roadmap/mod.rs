@@ -135,7 +135,7 @@ struct Site {
 struct PathsTo {
     /// Cost (m) of the path to the site from every node; infinite where there is none.
     from_node: Vec<f64>,
-    /// That path.
+    /// The path to the site from every node.
     legs: Vec<Leg>,
     /// The next edge toward the site from every node.
     onward: Vec<Option<EdgeIndex>>,
@@ -149,7 +149,7 @@ impl Roadmap {
     /// narrow for the team.
     ///
     /// # Errors
-    /// What there is too much of: lines to be tried, or clear ones.
+    /// Too many lines to be tried, or too many clear ones.
     pub fn new(space: Space, sites: &[Straight], closed: &[[Point; 2]]) -> Result<Self, String> {
         let discs = space.discs.clone();
         let mut graph = DiGraph::new();

@@ -18,7 +18,7 @@ const LOOK_GROWTH: f64 = 4.0;
 pub(in crate::options) struct Space {
     pub(super) obstacles: Vec<(Footprint, Bounds)>,
     pub(super) near_obstacles: Nearby,
-    /// What taut strings bend around.
+    /// The discs that taut strings bend around.
     pub(super) discs: Vec<Disc>,
     pub(super) barriers: Vec<[Point; 2]>,
     near_barriers: Nearby,

@@ -16,7 +16,7 @@ pub(super) struct Independent {
     pub front: Vec<Curve>,
     pub strips: Strips,
     single: Vec<f64>,
-    /// What the front and the outline are of.
+    /// The prospects that the front and the outline were found for.
     outlined: Vec<Prospect>,
 }
 

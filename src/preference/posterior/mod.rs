@@ -8,9 +8,10 @@ mod plane;
 use super::strips::Extent;
 use super::ties::Ties;
 use super::{
-    Belief, ChoiceDistribution, Perception, PreferenceError, Prospect, SampleSet, Ways, human_choice,
+    Belief, ChoiceDistribution, Perception, Prospect, SampleSet, Ways, check_rate, human_choice,
     subjective_cost,
 };
+use crate::error::Error;
 use independent::Independent;
 use line::Line;
 pub use moments::Estimate;
@@ -24,8 +25,8 @@ use serde::{Deserialize, Serialize};
 /// was seen if the human prefers o. The product is constant between the borders of all regions seen so far.
 /// The borders and the steps across them are kept, so probabilities are exact up to about 1e-8, nearly like
 /// those of the [`Predictor`](super::Predictor), without a grid or particles. Steps that change no probability
-/// by more than 1e-12 are dropped, and beyond 2048 steps the least ones. Once warm, no call but
-/// [`Posterior::estimate`] allocates.
+/// by more than 1e-12 are dropped, and beyond 2048 steps the least ones. Once warm, only
+/// [`Posterior::estimate`] and errors allocate.
 ///
 /// ```
 /// use cocarry::preference::{Belief, ChoiceDistribution, Posterior, Prospect, Ways};
@@ -37,7 +38,7 @@ use serde::{Deserialize, Serialize};
 /// let mut choice = ChoiceDistribution::default();
 /// posterior.predict_from(&options, &Ways::default(), &mut choice);
 /// assert!(choice.probabilities()[1] > 0.9);
-/// # Ok::<(), cocarry::preference::PreferenceError>(())
+/// # Ok::<(), cocarry::Error>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct Posterior {
@@ -46,10 +47,10 @@ pub struct Posterior {
     model: Model,
     ties: Ties,
     masses: Vec<f64>,
-    /// What was seen, as likelihoods of the leaders of ties.
+    /// The last observation, as likelihoods of the leaders of ties.
     likelihoods: Vec<f64>,
     moments: Moments,
-    /// Whether the moments are those of what was learned.
+    /// Whether the moments are up to date.
     is_filled: bool,
 }
 
@@ -59,7 +60,7 @@ enum Model {
     Samples { set: SampleSet, weights: Vec<f64> },
 }
 
-/// What a posterior has learned, to be restored.
+/// The state of a posterior, to be restored.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Learned(Contents);
 
@@ -73,8 +74,8 @@ impl Posterior {
     /// The prior `belief`, with the weight `c_r` of risk in eq. 2.
     ///
     /// # Errors
-    /// [`PreferenceError::RiskWeight`].
-    pub fn new(belief: Belief, risk_weight: f64) -> Result<Self, PreferenceError> {
+    /// The weight is negative or not finite.
+    pub fn new(belief: Belief, risk_weight: f64) -> Result<Self, Error> {
         super::predictor::check(risk_weight)?;
         let model = match &belief {
             Belief::Independent { alpha, gamma } => {
@@ -101,18 +102,20 @@ impl Posterior {
     /// belief so far.
     ///
     /// # Errors
-    /// [`PreferenceError::Likelihoods`]; [`PreferenceError::Impossible`] if that probability is 0. The belief
-    /// is then as before.
+    /// The likelihoods are not one finite number of at least 0 for every option, or that probability is 0.
+    /// The belief is then as before.
     pub fn observe(
         &mut self,
         prospects: &[Prospect],
         ways: &Ways,
         likelihoods: &[f64],
-    ) -> Result<f64, PreferenceError> {
+    ) -> Result<f64, Error> {
         let bad = likelihoods.iter().copied().find(|l| !(l.is_finite() && *l >= 0.0));
         if likelihoods.len() != prospects.len() || bad.is_some() || prospects.is_empty() {
             let (options, given, bad) = (prospects.len(), likelihoods.len(), bad.unwrap_or(f64::NAN));
-            return Err(PreferenceError::Likelihoods { options, given, bad });
+            return Err(Error::new(format!(
+                "an observation of {options} options has {given} likelihoods, the first bad one {bad}: every option needs a finite one of at least 0"
+            )));
         }
         let risk_weight = self.risk_weight;
         self.ties.find(prospects, ways, risk_weight > 0.0);
@@ -143,7 +146,11 @@ impl Posterior {
             }
         };
         self.is_filled = false;
-        evidence.ok_or(PreferenceError::Impossible)
+        evidence.ok_or_else(|| {
+            Error::new(
+                "the observation is impossible under the belief: set a lapse rate above 0, or check the participant's name",
+            )
+        })
     }
 
     /// Allows for a change of the human: with probability `rate`, alpha and gamma are drawn from the prior
@@ -151,11 +158,9 @@ impl Posterior {
     /// is seen contradicts it.
     ///
     /// # Errors
-    /// [`PreferenceError::Rate`] unless it is from 0 to 1.
-    pub fn mix_with_prior(&mut self, rate: f64) -> Result<(), PreferenceError> {
-        if !(0.0..=1.0).contains(&rate) {
-            return Err(PreferenceError::Rate { name: "change rate", value: rate, least: 0.0, most: 1.0 });
-        }
+    /// The rate is not from 0 to 1.
+    pub fn mix_with_prior(&mut self, rate: f64) -> Result<(), Error> {
+        check_rate("change rate", rate, 1.0)?;
         match &mut self.model {
             Model::Independent(model) => model.plane.mix(rate),
             Model::Samples { set, weights } => {
@@ -324,7 +329,7 @@ impl Posterior {
         self.moments().map_or([0.0; 2], Moments::mean)
     }
 
-    /// What was learned, for [`Posterior::restore`].
+    /// The state, for [`Posterior::restore`].
     pub fn learned(&self) -> Learned {
         Learned(match &self.model {
             Model::Independent(model) => {

@@ -32,7 +32,7 @@ struct Sum {
     deflection: f64,
     /// The wrench of the last step; kept between periods. `None` before the first step.
     last: Option<Wrench>,
-    /// What the force's noise is filtered with; kept between periods.
+    /// The filter of the force's noise; kept between periods.
     filter: HighPass,
 }
 

@@ -210,7 +210,7 @@ impl Articulation {
         Some(())
     }
 
-    /// What the gears of mimicking joints loaded every motor with in the last step, Nm or N.
+    /// The load of every motor by the gears of mimicking joints in the last step, Nm or N.
     fn geared(&self, world: &PhysicsWorld) -> JointVector {
         let mut geared = JointVector::zeros();
         for gear in self.motors.iter().filter(|m| !m.is_own) {

@@ -19,7 +19,7 @@ pub(super) struct BaseMotor {
     dof: usize,
     /// Largest force, N, or torque, Nm.
     most: f64,
-    /// What it moves, kg or kg m^2.
+    /// The inertia that it moves, kg or kg m^2.
     inertia: f64,
     /// Rest position of the spring and rate of the base, as in the last step.
     rest: Option<f64>,

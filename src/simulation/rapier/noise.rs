@@ -26,7 +26,7 @@ pub(super) struct Coefficients {
 }
 
 impl Coefficients {
-    /// Of steps of `dt` seconds, shorter than half a period of the corner.
+    /// The coefficients for steps of `dt` seconds, shorter than half a period of the corner.
     pub fn new(dt: f64) -> Self {
         let angle = PI * NOISE_FREQUENCY * dt;
         let corner = math::sin(angle) / math::cos(angle);

@@ -15,7 +15,9 @@ use cocarry::math;
 use cocarry::plant::{Command, HumanMotion, Plant, Preparation, Seen};
 use cocarry::policy::{Decision, RobotPolicy, RobotView};
 use cocarry::preference::{ChoiceDistribution, Perception};
-use cocarry::quantities::{CONTROL, EPISODE, LEARNED, PREPARATION, TICK, View};
+use cocarry::quantities::{
+    self, CONTROL, EPISODE, Fields, Heading, Kind, LEARNED, PREPARATION, Quantity, TICK, View,
+};
 use cocarry::robot::{Configuration, InputJacobian, InputVector, JointVector, Robot};
 use cocarry::saved::{RestoreError, Saved};
 use cocarry::scenario::{self, PreparedScenario, RobotSetup, Scenario};
@@ -24,7 +26,7 @@ use cocarry::simulation::{
 };
 use cocarry::world::World;
 use nalgebra::{Point3, Vector3};
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 
 /// A wall across the way from (1, 0) to (1, 8), with two openings of 1 m: straight ahead, and 7 m to the
 /// right.
@@ -305,10 +307,36 @@ fn told<'a>(prepared: &'a PreparedScenario, plant: ToldPlant<'a>) -> Episode<'a>
     builder.begin().unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// The quantities of these tables, by their keys.
-fn read(view: &View<'_>, tables: &[&[cocarry::quantities::Quantity]]) -> Map<String, Value> {
-    let records = tables.iter().flat_map(|table| view.read(table));
-    records.map(|(key, value)| (key.to_owned(), value)).collect()
+/// The quantities of these tables, by their keys. Each is of the kind that its table says, or missing.
+fn read(view: &View<'_>, tables: &[&[Quantity]]) -> Map<String, Value> {
+    let values = tables.iter().copied().flatten().map(|quantity| {
+        let value = (quantity.get)(view);
+        assert!(is_of(&value, quantity.kind), "{}: {value:?}, not of {:?}", quantity.key, quantity.kind);
+        (quantity.key.to_owned(), json!(value))
+    });
+    values.collect()
+}
+
+fn is_of(value: &quantities::Value, kind: Kind) -> bool {
+    use quantities::Value;
+    let is_record = |fields: &Fields, headings: Vec<Heading>| {
+        fields.iter().all(|(key, value)| {
+            headings.iter().any(|heading| heading.name == *key && is_of(value, heading.kind))
+        })
+    };
+    match (value, kind) {
+        (Value::Missing, _)
+        | (Value::Number(_), Kind::Number(_))
+        | (Value::Count(_), Kind::Count)
+        | (Value::Text(_), Kind::Text)
+        | (Value::Flag(_), Kind::Flag)
+        | (Value::Numbers(_), Kind::Numbers) => true,
+        (Value::Record(fields), Kind::Record(headings)) => is_record(fields, headings()),
+        (Value::List(records), Kind::List(headings)) => {
+            records.iter().all(|fields| is_record(fields, headings()))
+        }
+        _ => false,
+    }
 }
 
 #[track_caller]

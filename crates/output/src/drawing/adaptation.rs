@@ -7,7 +7,8 @@ use super::kit::{
 use super::map_view::MapView;
 use super::opening_labels::{PATH_COST, clutter, opening_labels};
 use super::stubbornness::stubbornness;
-use super::{DrawingError, Track, WIDTH};
+use super::{Track, WIDTH};
+use cocarry::Error;
 use cocarry::geometry::{Bounds, Point, Vector};
 use cocarry::world::World;
 use svg::node::element::Group;
@@ -23,10 +24,10 @@ const TIME_ROOM: f64 = 62.0;
 /// wide is placed next to the chart, any other map above it.
 ///
 /// # Errors
-/// [`DrawingError::NotDrawable`], [`DrawingError::Transition`], [`DrawingError::Period`].
-pub fn adaptation(world: &World, tracks: &[Track], period: f64) -> Result<String, DrawingError> {
+/// A number of a track cannot be drawn, its transition is after its end, or the period is not positive.
+pub fn adaptation(world: &World, tracks: &[Track], period: f64) -> Result<String, Error> {
     if !(period.is_finite() && period > 0.0) {
-        return Err(DrawingError::Period { period });
+        return Err(Error::new(format!("the period is {period} s; expected a positive number")));
     }
     tracks.iter().try_for_each(Track::check)?;
     let (view, chart) = panels(world, tracks);
@@ -101,6 +102,7 @@ fn walked(view: &MapView, tracks: &[Track], clutter: &mut Clutter) -> Group {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::error;
     use super::*;
     use crate::drawing::tests::checked;
 
@@ -138,16 +140,10 @@ mod tests {
             change(&mut track);
             adaptation(&world(), &[track], 0.1)
         };
-        assert!(matches!(
-            with(|t| t.positions[1].x = f64::NAN),
-            Err(DrawingError::NotDrawable { step: 1, .. })
-        ));
-        assert!(matches!(
-            with(|t| t.stubbornness[3] = f64::NAN),
-            Err(DrawingError::NotDrawable { step: 3, .. })
-        ));
-        assert!(matches!(with(|t| t.transition = Some(4)), Err(DrawingError::Transition { .. })));
+        assert!(error(with(|t| t.positions[1].x = f64::NAN)).contains("its position at step 1 cannot"));
+        assert!(error(with(|t| t.stubbornness[3] = f64::NAN)).contains("its stubbornness at step 3 cannot"));
+        assert!(error(with(|t| t.transition = Some(4))).contains("its transition is at step 4, but"));
         assert!(with(|t| t.stubbornness[2] = f64::INFINITY).is_ok());
-        assert!(matches!(adaptation(&world(), &[], 0.0), Err(DrawingError::Period { .. })));
+        assert!(error(adaptation(&world(), &[], 0.0)).starts_with("the period is 0 s"));
     }
 }

@@ -5,7 +5,8 @@ use super::kit::{
     border, document, frame_title, left_of_rows, level, mark, mean_bar, notes, place, rectangle, row_label,
     stroke, upright,
 };
-use super::{DrawingError, WIDTH};
+use super::{WIDTH, not_drawable, nothing};
+use cocarry::Error;
 use cocarry::geometry::{Bounds, Point, Vector};
 use svg::node::element::Group;
 
@@ -54,14 +55,13 @@ const CHART_HEIGHT: f64 = 200.0;
 /// likelihood and by least squares, and the sentences of `caution`.
 ///
 /// # Errors
-/// [`DrawingError::NoPanels`]; [`DrawingError::Fit`] for an invalid percentage or a c_r that cannot be on the
-/// axis.
+/// There is no panel, a percentage is not valid, or a c_r cannot be on the axis.
 pub fn answers(
     panels: &[AnswerPanel],
     curve: &[(f64, f64)],
     marks: &[RiskWeightMark; 2],
     caution: &str,
-) -> Result<String, DrawingError> {
+) -> Result<String, Error> {
     check(panels, curve, marks)?;
     let rows = || panels.iter().flat_map(|p| &p.rows);
     let left = left_of_rows(rows().map(|r| r.option.as_str()), NAMES_WIDTH);
@@ -96,23 +96,19 @@ pub fn answers(
     Ok(picture.add(caution.set("class", "caution")).to_string())
 }
 
-fn check(
-    panels: &[AnswerPanel],
-    curve: &[(f64, f64)],
-    marks: &[RiskWeightMark; 2],
-) -> Result<(), DrawingError> {
+fn check(panels: &[AnswerPanel], curve: &[(f64, f64)], marks: &[RiskWeightMark; 2]) -> Result<(), Error> {
     if panels.is_empty() || curve.len() < 2 {
-        return Err(DrawingError::NoPanels);
+        return Err(nothing());
     }
     for row in panels.iter().flat_map(|p| &p.rows) {
         let values = row.answers.iter().chain(&row.fits).chain([&row.mean]);
         if let Some(value) = values.copied().find(|v| !(-1e-9..=100.0 + 1e-9).contains(v)) {
-            return Err(DrawingError::Fit { what: format!("option `{}`", row.option), value });
+            return Err(not_drawable(format_args!("option `{}`", row.option), value));
         }
     }
     let numbers = curve.iter().map(|c| c.0).chain(marks.iter().map(|m| m.at));
     match numbers.into_iter().find(|c| !(*c > 0.0 && c.is_finite())) {
-        Some(value) => Err(DrawingError::Fit { what: "c_r".to_owned(), value }),
+        Some(value) => Err(not_drawable("c_r", value)),
         None => Ok(()),
     }
 }
@@ -192,6 +188,7 @@ fn errors(curve: &[(f64, f64)], marks: &[RiskWeightMark; 2], frame: Bounds) -> G
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::{NOTHING, error};
     use super::*;
     use crate::drawing::tests::checked;
 
@@ -232,9 +229,9 @@ mod tests {
     fn what_cannot_be_drawn_is_refused() {
         let marks = [RiskWeightMark { name: "fit", at: 8.0, interval: None }; 2];
         let curve = [(0.1, 30.0), (10.0, 5.0)];
-        assert!(matches!(answers(&[], &curve, &marks, ""), Err(DrawingError::NoPanels)));
+        assert_eq!(error(answers(&[], &curve, &marks, "")), NOTHING);
         let mut spoiled = panels();
         spoiled[0].rows[1].mean = f64::NAN;
-        assert!(matches!(answers(&spoiled, &curve, &marks, ""), Err(DrawingError::Fit { .. })));
+        assert!(error(answers(&spoiled, &curve, &marks, "")).ends_with(": NaN cannot be drawn"));
     }
 }

@@ -1,10 +1,11 @@
 //! Charts of curves, two in a row, each with its own legend.
 
-use super::DrawingError;
 use super::kit::{
     AXIS_ROOM, GAP, LEFT_ROOM, Legend, LineStyle, Plot, Text, frame_title, guide, in_two_columns, level,
     line_sample, width_by_rank,
 };
+use super::{not_drawable, nothing};
+use cocarry::Error;
 use cocarry::geometry::{Bounds, Point};
 use svg::node::element::Group;
 
@@ -38,20 +39,20 @@ const HEIGHT: f64 = 236.0;
 /// The charts, two in a row.
 ///
 /// # Errors
-/// [`DrawingError::NoPanels`]; [`DrawingError::Fit`] for a point or an end of an axis that is not a number.
-pub fn curves(panels: &[CurvePanel]) -> Result<String, DrawingError> {
+/// There is no panel, or a point or an end of an axis is not a number.
+pub fn curves(panels: &[CurvePanel]) -> Result<String, Error> {
     if panels.is_empty() {
-        return Err(DrawingError::NoPanels);
+        return Err(nothing());
     }
     panels.iter().try_for_each(check)?;
     Ok(in_two_columns(panels, HEIGHT, draw))
 }
 
-fn check(panel: &CurvePanel) -> Result<(), DrawingError> {
+fn check(panel: &CurvePanel) -> Result<(), Error> {
     let ends = panel.ranges.iter().flatten().chain(&panel.mark);
     let points = panel.curves.iter().flat_map(|c| c.points.iter().flatten());
     match ends.chain(points).find(|v| !v.is_finite()) {
-        Some(value) => Err(DrawingError::Fit { what: panel.title.clone(), value: *value }),
+        Some(value) => Err(not_drawable(&panel.title, *value)),
         None => Ok(()),
     }
 }
@@ -83,6 +84,7 @@ fn draw(panel: &CurvePanel, frame: Bounds) -> (Group, f64) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::{NOTHING, error};
     use super::*;
     use crate::drawing::tests::checked;
 
@@ -108,9 +110,9 @@ mod tests {
 
     #[test]
     fn what_cannot_be_drawn_is_refused() {
-        assert!(matches!(curves(&[]), Err(DrawingError::NoPanels)));
+        assert_eq!(error(curves(&[])), NOTHING);
         let mut spoiled = panel();
         spoiled.curves[1].points[0][1] = f64::INFINITY;
-        assert!(matches!(curves(&[spoiled]), Err(DrawingError::Fit { .. })));
+        assert!(error(curves(&[spoiled])).ends_with(": inf cannot be drawn"));
     }
 }

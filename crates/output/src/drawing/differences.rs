@@ -3,7 +3,8 @@
 use super::kit::{
     Axis, Legend, LineStyle, MARGIN, Shape, Strips, Text, document, level_sample, mark, place, stroke,
 };
-use super::{DrawingError, WIDTH};
+use super::{WIDTH, not_drawable, nothing};
+use cocarry::Error;
 use cocarry::geometry::Point;
 use svg::node::element::Group;
 
@@ -44,15 +45,15 @@ const MAX_VALUE: f64 = 1e9;
 /// the expectation and a diamond at the paper's value. Panels are stacked on one axis, which includes 0.
 ///
 /// # Errors
-/// [`DrawingError::NoPanels`]; [`DrawingError::Fit`] for a value that is not a number.
-pub fn differences(panels: &[DifferencePanel], axis_title: &str) -> Result<String, DrawingError> {
+/// There is no row, or a value is not a number.
+pub fn differences(panels: &[DifferencePanel], axis_title: &str) -> Result<String, Error> {
     let rows = || panels.iter().flat_map(|panel| &panel.rows);
     if rows().next().is_none() {
-        return Err(DrawingError::NoPanels);
+        return Err(nothing());
     }
     for row in rows() {
         if let Some(value) = values(row).find(|value| value.is_nan() || value.abs() > MAX_VALUE) {
-            return Err(DrawingError::Fit { what: format!("row `{}`", row.label), value });
+            return Err(not_drawable(format_args!("row `{}`", row.label), value));
         }
     }
     let all = || rows().flat_map(values);
@@ -118,6 +119,7 @@ fn paper_mark() -> Group {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::{NOTHING, error};
     use super::*;
     use crate::drawing::tests::checked;
 
@@ -139,9 +141,9 @@ mod tests {
 
     #[test]
     fn what_cannot_be_drawn_is_refused() {
-        assert!(matches!(differences(&[], ""), Err(DrawingError::NoPanels)));
+        assert_eq!(error(differences(&[], "")), NOTHING);
         let rows = vec![DifferenceRow { mean: f64::NAN, ..DifferenceRow::default() }];
         let panel = DifferencePanel { rows, ..DifferencePanel::default() };
-        assert!(matches!(differences(&[panel], ""), Err(DrawingError::Fit { .. })));
+        assert!(error(differences(&[panel], "")).ends_with(": NaN cannot be drawn"));
     }
 }

@@ -7,8 +7,9 @@ use super::kit::{
 };
 use super::map_view::MapView;
 use super::opening_labels::{PATH_COST, clutter, opening_labels};
-use super::{DrawingError, MAX_LISTED, Track, option_colour};
+use super::{MAX_LISTED, Track, nothing, option_colour};
 use crate::palette::{HAIR, HUMAN, OBJECT, ROBOT, hex};
+use cocarry::Error;
 use cocarry::geometry::{Bounds, Footprint, PlanarPose, Point, Vector, direction, left_of};
 use cocarry::options::OptionSet;
 use cocarry::world::World;
@@ -77,13 +78,13 @@ impl Film<'_> {
     /// [`NARROWEST`] to [`WIDEST`]. The picture is shown `shown_width` wide, in `unit` (`in`, or `` for px).
     ///
     /// # Errors
-    /// [`DrawingError`]: there is nothing to draw, or a number cannot be drawn.
+    /// There is nothing to draw, or a number cannot be drawn.
     pub fn strip(
         &self,
         instants: usize,
         width: f64,
         (shown_width, unit): (f64, &str),
-    ) -> Result<String, DrawingError> {
+    ) -> Result<String, Error> {
         self.check()?;
         let layout = self.layout(width);
         let shown = self.instants(instants);
@@ -122,9 +123,9 @@ impl Film<'_> {
         Ok(picture.to_string())
     }
 
-    pub(super) fn check(&self) -> Result<(), DrawingError> {
+    pub(super) fn check(&self) -> Result<(), Error> {
         if self.moments.is_empty() {
-            return Err(DrawingError::NoPanels);
+            return Err(nothing());
         }
         let of = |number: fn(&Moment) -> Point| self.moments.iter().map(number).collect();
         let track = |positions| Track { label: "episode".to_owned(), positions, ..Track::default() };

@@ -4,7 +4,8 @@ use super::kit::{
     AXIS_ROOM, Align, Axis, FAINT, GAP, LEFT_ROOM, MARGIN, PAPER, Plot, Side, TEXT_SIZE, TITLE_ROOM, Text,
     border, disc, document, frame_title, rectangle, risk_colour,
 };
-use super::{DrawingError, WIDTH};
+use super::{WIDTH, not_drawable, nothing};
+use cocarry::Error;
 use cocarry::geometry::{Bounds, Point, Vector};
 use svg::node::element::Group;
 
@@ -32,15 +33,15 @@ const SCALE_STEPS: usize = 60;
 /// colours, light to dark. A cell without a value is white with a dot.
 ///
 /// # Errors
-/// [`DrawingError::NoPanels`], also without any value; [`DrawingError::Fit`] for a value that is not finite.
-pub fn heat_maps(panels: &[HeatPanel], ranges: [[f64; 2]; 2], title: &str) -> Result<String, DrawingError> {
+/// There is no value, or one that is not finite.
+pub fn heat_maps(panels: &[HeatPanel], ranges: [[f64; 2]; 2], title: &str) -> Result<String, Error> {
     let values = || panels.iter().flat_map(|panel| panel.values.iter().flatten()).copied().flatten();
     if let Some(value) = values().chain(ranges.into_iter().flatten()).find(|value| !value.is_finite()) {
-        return Err(DrawingError::Fit { what: "a cell".to_owned(), value });
+        return Err(not_drawable("a cell", value));
     }
     let (least, most) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
     if least > most {
-        return Err(DrawingError::NoPanels);
+        return Err(nothing());
     }
     // equal values have a scale, too
     let scale = if most > least { [least, most] } else { [least - 0.5, most + 0.5] };
@@ -105,6 +106,7 @@ fn draw(panel: &HeatPanel, ranges: [[f64; 2]; 2], frame: Bounds, share: impl Fn(
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::{NOTHING, error};
     use super::*;
     use crate::drawing::tests::checked;
 
@@ -127,8 +129,8 @@ mod tests {
     fn what_cannot_be_drawn_is_refused() {
         let ranges = [[0.0, 1.0]; 2];
         let panel = |value| HeatPanel { values: vec![vec![value]], ..HeatPanel::default() };
-        assert!(matches!(heat_maps(&[], ranges, ""), Err(DrawingError::NoPanels)));
-        assert!(matches!(heat_maps(&[panel(None)], ranges, ""), Err(DrawingError::NoPanels)));
-        assert!(matches!(heat_maps(&[panel(Some(f64::NAN))], ranges, ""), Err(DrawingError::Fit { .. })));
+        assert_eq!(error(heat_maps(&[], ranges, "")), NOTHING);
+        assert_eq!(error(heat_maps(&[panel(None)], ranges, "")), NOTHING);
+        assert!(error(heat_maps(&[panel(Some(f64::NAN))], ranges, "")).ends_with(": NaN cannot be drawn"));
     }
 }

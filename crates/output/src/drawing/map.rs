@@ -7,7 +7,8 @@ use super::kit::{
 use super::map_view::MapView;
 use super::opening_labels::{PATH_COST, clutter, opening_labels};
 use super::option_table::{MIN_WIDTH, Route, option_table};
-use super::{DrawingError, WIDTH, check_probabilities};
+use super::{WIDTH, check_probabilities, unequal};
+use cocarry::Error;
 use cocarry::geometry::{Point, Vector};
 use cocarry::options::OptionSet;
 use cocarry::world::World;
@@ -27,8 +28,8 @@ const SAGITTA: f64 = 0.01;
 /// the first has priority, which is the cheapest where options were enumerated.
 ///
 /// # Errors
-/// [`DrawingError::ProbabilityCount`], [`DrawingError::Probability`].
-pub fn world_map(world: &World, options: &OptionSet, probabilities: &[f64]) -> Result<String, DrawingError> {
+/// There is not a probability from 0 to 1 for every option.
+pub fn world_map(world: &World, options: &OptionSet, probabilities: &[f64]) -> Result<String, Error> {
     let (listed, others) = routes(world, options, probabilities)?;
     let top = Point::new(LEFT_ROOM, TITLE_ROOM);
     let points = listed.iter().chain(&others).flat_map(|r| r.points.iter().copied());
@@ -65,13 +66,10 @@ fn routes(
     world: &World,
     options: &OptionSet,
     probabilities: &[f64],
-) -> Result<(Vec<Route>, Vec<Route>), DrawingError> {
+) -> Result<(Vec<Route>, Vec<Route>), Error> {
     let all = options.options();
     if probabilities.len() != all.len() {
-        return Err(DrawingError::ProbabilityCount {
-            probabilities: probabilities.len(),
-            options: all.len(),
-        });
+        return Err(unequal(probabilities.len(), all.len()));
     }
     check_probabilities(all.iter().map(|o| o.name.as_str()).zip(probabilities.iter().copied()))?;
     let begin = options.begin();
@@ -126,6 +124,7 @@ fn paths(view: &MapView, listed: &[Route], widths: &[f64], others: &[Route], clu
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::error;
     use super::*;
     use crate::drawing::tests::checked;
 
@@ -178,8 +177,9 @@ between = ["a<&", "c"]
     fn probabilities_are_checked() {
         let (world, options) = scene();
         let n = options.options().len();
-        assert!(matches!(world_map(&world, &options, &[]), Err(DrawingError::ProbabilityCount { .. })));
-        let bad = world_map(&world, &options, &vec![f64::NAN; n]);
-        assert!(matches!(bad, Err(DrawingError::Probability { .. })));
+        let refused = error(world_map(&world, &options, &[]));
+        assert_eq!(refused, format!("0 probabilities were given for {n} options"));
+        let refused = error(world_map(&world, &options, &vec![f64::NAN; n]));
+        assert!(refused.contains("its probability is NaN"), "{refused}");
     }
 }

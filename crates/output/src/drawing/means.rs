@@ -3,7 +3,8 @@
 use super::kit::{
     Axis, Legend, LineStyle, MARGIN, Shape, Strips, Text, document, level_sample, mark, place, stroke,
 };
-use super::{DrawingError, WIDTH};
+use super::{WIDTH, not_drawable, nothing};
+use cocarry::Error;
 use cocarry::geometry::Point;
 use svg::node::element::Group;
 
@@ -41,18 +42,18 @@ const SHAPES: [Shape; 4] = [Shape::Disc, Shape::Square, Shape::Triangle, Shape::
 /// stacked on one axis, which has the range of the values.
 ///
 /// # Errors
-/// [`DrawingError::NoPanels`], also without any mean; [`DrawingError::Fit`] for a value that is not a number.
-pub fn means(panels: &[MeanPanel], series: &[String], axis_title: &str) -> Result<String, DrawingError> {
+/// There is no mean, or a value is not a number.
+pub fn means(panels: &[MeanPanel], series: &[String], axis_title: &str) -> Result<String, Error> {
     let rows = || panels.iter().flat_map(|panel| &panel.rows);
     for row in rows() {
         if let Some(value) = values(row).find(|value| value.is_nan() || value.abs() > MAX_VALUE) {
-            return Err(DrawingError::Fit { what: format!("row `{}`", row.label), value });
+            return Err(not_drawable(format_args!("row `{}`", row.label), value));
         }
     }
     let all = || rows().flat_map(values);
     let (least, most) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
     if least > most {
-        return Err(DrawingError::NoPanels);
+        return Err(nothing());
     }
     // a single value has an axis, too
     let margin = (0.04 * (most - least)).max(1e-3 * most.abs()).max(1e-6);
@@ -109,6 +110,7 @@ fn series_mark(series: usize) -> Group {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::{NOTHING, error};
     use super::*;
     use crate::drawing::tests::checked;
 
@@ -129,9 +131,9 @@ mod tests {
 
     #[test]
     fn what_cannot_be_drawn_is_refused() {
-        assert!(matches!(means(&[MeanPanel::default()], &[], ""), Err(DrawingError::NoPanels)));
+        assert_eq!(error(means(&[MeanPanel::default()], &[], "")), NOTHING);
         let rows = vec![MeanRow { label: String::new(), means: vec![Some((f64::NAN, None))] }];
         let panel = MeanPanel { rows, ..MeanPanel::default() };
-        assert!(matches!(means(&[panel], &[String::new()], ""), Err(DrawingError::Fit { .. })));
+        assert!(error(means(&[panel], &[String::new()], "")).ends_with(": NaN cannot be drawn"));
     }
 }

@@ -41,79 +41,25 @@ pub use tolerances::{ToleranceRow, tolerances};
 pub use track::Track;
 
 use crate::palette;
-use thiserror::Error;
+use cocarry::Error;
+use std::fmt::Display;
 
 /// Width of every picture, px.
 pub const WIDTH: f64 = 720.0;
 
-/// The reason why a picture could not be drawn.
-#[derive(Debug, Error)]
-pub enum DrawingError {
-    /// The number of probabilities differs from the number of options.
-    #[error("{probabilities} probabilities were given for {options} options")]
-    ProbabilityCount {
-        /// Number of probabilities.
-        probabilities: usize,
-        /// Number of options.
-        options: usize,
-    },
-    /// A probability outside [0, 1].
-    #[error("option `{option}`: its probability is {value}; expected a number from 0 to 1")]
-    Probability {
-        /// The option.
-        option: String,
-        /// The value given.
-        value: f64,
-    },
-    /// A track has a position that is not finite or out of range, or a stubbornness that is not a number.
-    #[error("track `{track}`: its {quantity} at step {step} cannot be drawn: {value}")]
-    NotDrawable {
-        /// The track's label.
-        track: String,
-        /// `position` or `stubbornness`.
-        quantity: &'static str,
-        /// The step.
-        step: usize,
-        /// The number.
-        value: f64,
-    },
-    /// A track's transition lies beyond its last step.
-    #[error("track `{track}`: its transition is at step {transition}, but it has {positions} positions")]
-    Transition {
-        /// The track's label.
-        track: String,
-        /// Step of the transition.
-        transition: usize,
-        /// Number of positions of the track.
-        positions: usize,
-    },
-    /// The period is not a positive time.
-    #[error("the period is {period} s; expected a positive number")]
-    Period {
-        /// The value given.
-        period: f64,
-    },
-    /// A figure without panels.
-    #[error("nothing to draw; expected at least one panel")]
-    NoPanels,
-    /// A ratio of costs that is negative, not a number or out of range.
-    #[error("row `{row}`: the ratio {value} in environment {environment} cannot be drawn")]
-    Ratio {
-        /// The row's label.
-        row: String,
-        /// The environment.
-        environment: u32,
-        /// The ratio.
-        value: f64,
-    },
-    /// A fit, or its data, is not a number or out of range.
-    #[error("{what}: {value} cannot be drawn")]
-    Fit {
-        /// The item that has the number.
-        what: String,
-        /// The number.
-        value: f64,
-    },
+/// The error of a picture without content.
+fn nothing() -> Error {
+    Error::new("nothing to draw; expected at least one panel")
+}
+
+/// The error of a number that has no place in a picture: NaN, infinite or out of range.
+fn not_drawable(what: impl Display, value: f64) -> Error {
+    Error::new(format!("{what}: {value} cannot be drawn"))
+}
+
+/// The error of options without a probability each.
+fn unequal(probabilities: usize, options: usize) -> Error {
+    Error::new(format!("{probabilities} probabilities were given for {options} options"))
 }
 
 /// The colour of an option in every picture, as `#rrggbb`.
@@ -138,20 +84,30 @@ pub fn text_width(text: &str, is_bold: bool) -> f64 {
 }
 
 /// Checks that every option's P_o is a probability.
-fn check_probabilities<'a>(options: impl Iterator<Item = (&'a str, f64)>) -> Result<(), DrawingError> {
+fn check_probabilities<'a>(options: impl Iterator<Item = (&'a str, f64)>) -> Result<(), Error> {
     // rounding may leave a sum of areas slightly above 1
     let mut spoiled = options.filter(|(_, p)| !(0.0..=1.0 + 1e-9).contains(p));
-    spoiled
-        .next()
-        .map_or(Ok(()), |(option, value)| Err(DrawingError::Probability { option: option.to_owned(), value }))
+    spoiled.next().map_or(Ok(()), |(option, value)| {
+        let sentence =
+            format!("option `{option}`: its probability is {value}; expected a number from 0 to 1");
+        Err(Error::new(sentence))
+    })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::DrawingError;
+    use cocarry::Error;
+
+    /// The error of a picture without content.
+    pub(super) const NOTHING: &str = "nothing to draw; expected at least one panel";
+
+    /// The error of a picture that cannot be drawn.
+    pub(super) fn error(drawn: Result<String, Error>) -> String {
+        drawn.expect_err("it cannot be drawn").to_string()
+    }
 
     /// A picture that is well formed, identical when drawn again, and free of NaN and infinity.
-    pub(super) fn checked(draw: impl Fn() -> Result<String, DrawingError>) -> String {
+    pub(super) fn checked(draw: impl Fn() -> Result<String, Error>) -> String {
         let picture = draw().unwrap();
         assert_eq!(picture, draw().unwrap());
         assert!(!picture.contains("NaN") && !picture.contains("inf"), "{picture}");

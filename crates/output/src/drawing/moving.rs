@@ -1,6 +1,7 @@
 //! The pictures of a moving one: the team in the middle of a map that moves with it, phi over time, and the
 //! whole way.
 
+use super::Moment;
 use super::film::{Film, MIN_WIDTH_BOTH};
 use super::kit::{
     AXIS_ROOM, Align, GAP, INK, LEFT_ROOM, MARGIN, PAPER, TEXT_SIZE, Text, disc, document_of, number, px,
@@ -8,7 +9,7 @@ use super::kit::{
 };
 use super::map_view::MapView;
 use super::opening_labels::{PATH_COST, opening_labels};
-use super::{DrawingError, Moment};
+use cocarry::Error;
 use cocarry::geometry::{Bounds, Point, Vector};
 use svg::node::element::Group;
 
@@ -39,8 +40,8 @@ impl<'a> Film<'a> {
     /// and shows no more; without a number, for the longest.
     ///
     /// # Errors
-    /// [`DrawingError`]: there is nothing to draw, or a number cannot be drawn.
-    pub fn moving(&'a self, width: f64, lines: Option<usize>) -> Result<Moving<'a>, DrawingError> {
+    /// There is nothing to draw, or a number cannot be drawn.
+    pub fn moving(&'a self, width: f64, lines: Option<usize>) -> Result<Moving<'a>, Error> {
         self.check()?;
         let is_wide = width >= MIN_WIDTH_BOTH;
         let room = width - 2.0 * MARGIN;

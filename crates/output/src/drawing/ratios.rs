@@ -3,7 +3,8 @@
 use super::kit::{
     Axis, Legend, LineStyle, MARGIN, Shape, Strips, Text, document, guide, mark, mean_bar, place,
 };
-use super::{DrawingError, WIDTH};
+use super::{WIDTH, nothing};
+use cocarry::Error;
 use cocarry::geometry::Point;
 use std::collections::BTreeSet;
 use svg::node::element::Group;
@@ -57,8 +58,8 @@ const SHAPES: [Shape; 4] = [Shape::Disc, Shape::Square, Shape::Triangle, Shape::
 /// print.
 ///
 /// # Errors
-/// [`DrawingError::NoPanels`]; [`DrawingError::Ratio`] for a value that is not a number from 0 to 1000.
-pub fn cost_ratios(panels: &[RatioPanel]) -> Result<String, DrawingError> {
+/// There is no panel, or a ratio is not a number from 0 to 1000.
+pub fn cost_ratios(panels: &[RatioPanel]) -> Result<String, Error> {
     check(panels)?;
     let rows = || panels.iter().flat_map(|p| &p.rows);
     let strips = Strips {
@@ -86,17 +87,17 @@ pub fn cost_ratios(panels: &[RatioPanel]) -> Result<String, DrawingError> {
     Ok(document(bottom).add(drawn).add(legend).to_string())
 }
 
-fn check(panels: &[RatioPanel]) -> Result<(), DrawingError> {
+fn check(panels: &[RatioPanel]) -> Result<(), Error> {
     if panels.is_empty() {
-        return Err(DrawingError::NoPanels);
+        return Err(nothing());
     }
     for row in panels.iter().flat_map(|p| &p.rows) {
         if let Some((environment, value)) = row.ratios.iter().find(|r| !(0.0..=MAX_RATIO).contains(&r.1)) {
-            return Err(DrawingError::Ratio {
-                row: row.label.clone(),
-                environment: *environment,
-                value: *value,
-            });
+            let sentence = format!(
+                "row `{}`: the ratio {value} in environment {environment} cannot be drawn",
+                row.label
+            );
+            return Err(Error::new(sentence));
         }
     }
     Ok(())
@@ -157,6 +158,7 @@ fn environment_mark(environment: u32) -> Group {
 #[cfg(test)]
 mod tests {
     use super::super::kit::Side;
+    use super::super::tests::{NOTHING, error};
     use super::*;
     use crate::drawing::tests::checked;
     use cocarry::geometry::Bounds;
@@ -214,10 +216,10 @@ mod tests {
         for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -0.1, 2.0 * MAX_RATIO] {
             let mut panels = panels();
             panels[1].rows[0].ratios[3].1 = value;
-            let refused = cost_ratios(&panels);
-            assert!(matches!(refused, Err(DrawingError::Ratio { environment: 1, .. })), "{value}");
+            let refused = error(cost_ratios(&panels));
+            assert!(refused.contains(&format!("the ratio {value} in environment 1 ")), "{refused}");
         }
-        assert!(matches!(cost_ratios(&[]), Err(DrawingError::NoPanels)));
+        assert_eq!(error(cost_ratios(&[])), NOTHING);
         assert!(cost_ratios(&[RatioPanel::default()]).is_ok());
     }
 }

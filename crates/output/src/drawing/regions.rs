@@ -6,7 +6,8 @@ use super::kit::{
     nearest, number, path_data, stroke,
 };
 use super::map_view::paper;
-use super::{DrawingError, check_probabilities};
+use super::{check_probabilities, nothing, unequal};
+use cocarry::Error;
 use cocarry::geometry::{Bounds, Point, Vector, cross};
 use cocarry::preference::{Perception, Regions};
 use svg::node::element::{Group, Path};
@@ -36,21 +37,20 @@ const NAME_WIDTH: f64 = 100.0;
 /// option's index; its area is its share of the frame.
 ///
 /// # Errors
-/// [`DrawingError::NoPanels`]; [`DrawingError::Probability`] for a value that is not a number from 0 to 1;
-/// [`DrawingError::ProbabilityCount`].
-pub fn preference_regions(panels: &[RegionPanel]) -> Result<String, DrawingError> {
+/// There is no panel, or not a probability from 0 to 1 for every option.
+pub fn preference_regions(panels: &[RegionPanel]) -> Result<String, Error> {
     if panels.is_empty() {
-        return Err(DrawingError::NoPanels);
+        return Err(nothing());
     }
     panels.iter().try_for_each(check)?;
     Ok(in_two_columns(panels, HEIGHT, draw))
 }
 
-fn check(panel: &RegionPanel) -> Result<(), DrawingError> {
+fn check(panel: &RegionPanel) -> Result<(), Error> {
     check_probabilities(panel.options.iter().map(|(name, p)| (name.as_str(), *p)))?;
     let named = panel.regions.parts.iter().map(|p| p.option + 1).max().unwrap_or(0);
     match named > panel.options.len() {
-        true => Err(DrawingError::ProbabilityCount { probabilities: panel.options.len(), options: named }),
+        true => Err(unequal(panel.options.len(), named)),
         false => Ok(()),
     }
 }
@@ -221,6 +221,7 @@ fn contains(outline: &[Point], at: Point) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::{NOTHING, error};
     use super::*;
     use crate::drawing::tests::checked;
     use cocarry::preference::Prospect;
@@ -248,12 +249,12 @@ mod tests {
 
     #[test]
     fn what_cannot_be_drawn_is_refused() {
-        assert!(matches!(preference_regions(&[]), Err(DrawingError::NoPanels)));
+        assert_eq!(error(preference_regions(&[])), NOTHING);
         let mut spoiled = panel("a");
         spoiled.options[2].1 = f64::NAN;
-        assert!(matches!(preference_regions(&[spoiled]), Err(DrawingError::Probability { .. })));
+        assert!(error(preference_regions(&[spoiled])).contains("its probability is NaN"));
         let mut short = panel("a");
         short.options.pop();
-        assert!(matches!(preference_regions(&[short]), Err(DrawingError::ProbabilityCount { .. })));
+        assert!(error(preference_regions(&[short])).contains("probabilities were given for"));
     }
 }

@@ -6,7 +6,8 @@ use super::kit::{
     document, guide, left_of_rows, level, level_sample, mark, notes, place, polygon, rectangle, row_label,
     stroke, upright,
 };
-use super::{DrawingError, WIDTH};
+use super::{WIDTH, not_drawable, nothing};
+use cocarry::Error;
 use cocarry::geometry::{Bounds, Point, Vector};
 use cocarry::math;
 use svg::node::element::Group;
@@ -44,14 +45,14 @@ const BEYOND: f64 = 1.35;
 /// ln(eta). `no_interval` gives the reason if that median has no interval.
 ///
 /// # Errors
-/// [`DrawingError::NoPanels`]; [`DrawingError::Fit`] for a value that cannot be on a logarithmic axis.
+/// There is no row, or a value cannot be on a logarithmic axis.
 pub fn tolerances(
     rows: &[ToleranceRow],
     overall: Option<(f64, f64)>,
     no_interval: Option<&str>,
-) -> Result<String, DrawingError> {
+) -> Result<String, Error> {
     if rows.is_empty() {
-        return Err(DrawingError::NoPanels);
+        return Err(nothing());
     }
     let height = |row: &ToleranceRow| ROW_HEIGHT + EPISODE_HEIGHT * row.bounds.len() as f64;
     let min = Point::new(left_of_rows(rows.iter().map(|r| r.label.as_str()), LABELS_WIDTH), MARGIN);
@@ -82,14 +83,14 @@ pub fn tolerances(
     Ok(document(bottom).add(group).add(legend).add(reason).to_string())
 }
 
-fn axis(rows: &[ToleranceRow], overall: Option<(f64, f64)>, frame: Bounds) -> Result<Axis, DrawingError> {
+fn axis(rows: &[ToleranceRow], overall: Option<(f64, f64)>, frame: Bounds) -> Result<Axis, Error> {
     let all = |row: &ToleranceRow| -> Vec<f64> {
         let bounds = row.bounds.iter().flatten().chain(&row.interval).flatten().copied();
         bounds.chain(row.estimate).collect()
     };
     for row in rows {
         if let Some(value) = all(row).into_iter().find(|v| v.is_nan() || *v < 0.0) {
-            return Err(DrawingError::Fit { what: format!("participant `{}`", row.label), value });
+            return Err(not_drawable(format_args!("participant `{}`", row.label), value));
         }
     }
     let around = overall.into_iter().flat_map(|(m, s)| [m / math::exp(s), m * math::exp(s)]);
@@ -162,6 +163,7 @@ fn legend(rows: &[ToleranceRow], has_overall: bool) -> Legend {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::{NOTHING, error};
     use super::*;
     use crate::drawing::tests::checked;
 
@@ -194,9 +196,9 @@ mod tests {
 
     #[test]
     fn what_cannot_be_drawn_is_refused() {
-        assert!(matches!(tolerances(&[], None, None), Err(DrawingError::NoPanels)));
+        assert_eq!(error(tolerances(&[], None, None)), NOTHING);
         let mut spoiled = rows();
         spoiled[0].estimate = Some(f64::NAN);
-        assert!(matches!(tolerances(&spoiled, None, None), Err(DrawingError::Fit { .. })));
+        assert!(error(tolerances(&spoiled, None, None)).ends_with(": NaN cannot be drawn"));
     }
 }

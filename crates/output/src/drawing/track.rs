@@ -1,6 +1,6 @@
 //! Validated tracks to draw: positions of a team and the stubbornness of its human.
 
-use super::DrawingError;
+use cocarry::Error;
 use cocarry::coordination::Mode;
 use cocarry::episode::Tick;
 use cocarry::geometry::Point;
@@ -42,12 +42,10 @@ impl Track {
         }
     }
 
-    pub(super) fn check(&self) -> Result<(), DrawingError> {
-        let bad = |quantity, step, value| DrawingError::NotDrawable {
-            track: self.label.clone(),
-            quantity,
-            step,
-            value,
+    pub(super) fn check(&self) -> Result<(), Error> {
+        let track = &self.label;
+        let bad = |quantity, step, value: f64| {
+            Error::new(format!("track `{track}`: its {quantity} at step {step} cannot be drawn: {value}"))
         };
         for (step, p) in self.positions.iter().enumerate() {
             if let Some(value) = [p.x, p.y].into_iter().find(|c| c.is_nan() || c.abs() > MAX_COORDINATE_M) {
@@ -58,11 +56,10 @@ impl Track {
             return Err(bad("stubbornness", step, self.stubbornness[step]));
         }
         match self.transition {
-            Some(transition) if transition >= self.positions.len() => Err(DrawingError::Transition {
-                track: self.label.clone(),
-                transition,
-                positions: self.positions.len(),
-            }),
+            Some(transition) if transition >= self.positions.len() => Err(Error::new(format!(
+                "track `{track}`: its transition is at step {transition}, but it has {} positions",
+                self.positions.len()
+            ))),
             _ => Ok(()),
         }
     }

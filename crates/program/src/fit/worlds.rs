@@ -14,7 +14,7 @@ pub(crate) fn inputs<T>(file: &Path, worlds: &[(String, T)], belief: &BeliefArgu
     worlds.chain([file.to_owned()]).chain(belief.belief_samples.clone()).collect()
 }
 
-/// What `prepared` makes of the worlds that `file` names, each with the first line that names it.
+/// The worlds that `file` names, each prepared by `prepared`, with the first line that names it.
 pub(crate) fn load<T, E: Error + Send + Sync + 'static>(
     file: &Path,
     worlds: Vec<(String, u64)>,

@@ -1,4 +1,4 @@
-//! `cocarry infer`: what participants' answers and switches say of alpha, gamma and eta.
+//! `cocarry infer`: alpha, gamma and eta of participants, from their answers and switches.
 
 mod text;
 
@@ -34,7 +34,7 @@ use std::process::ExitCode;
 ///
 /// An answer is taken as one choice, distributed as the participant says; a lapse occurs with the given rate
 /// and is uninformative. Every participant's posterior of alpha and gamma is exact, with the belief as prior;
-/// that of eta too, with a log-normal prior. With two participants or more, alpha and gamma also have a
+/// a posterior of eta too, with a log-normal prior. With two participants or more, alpha and gamma also have a
 /// population: independent truncated normals on the belief's ranges, whose means and spreads are inferred.
 /// With two worlds or more, each is held out in turn, and its answers are predicted from the others.
 #[derive(Args, Debug)]
@@ -254,7 +254,7 @@ fn switches(arguments: &InferArguments, path: &Path, read: &mut Read) -> Result<
     Ok(())
 }
 
-/// What the robot could see of the human in a recording, whose name is the participant's.
+/// The robot's observations of the human in a recording, whose name is the participant's.
 fn walk(arguments: &InferArguments, path: &Path) -> Result<Walk, Failure> {
     let file = path.display().to_string();
     let scenario = scenario(&mut Reader::open(path).map_err(input)?).map_err(input)?;

@@ -87,7 +87,7 @@ fn of_parameters<'a>(rows: &'a [Parameter<'a>], has_counts: bool) -> Columns<'a,
     intervals(columns.text("parameter", "parameter", |row| row.name), 2, |row| row.figure)
 }
 
-/// What a terminal shows.
+/// The tables for a terminal.
 pub(super) fn tables(inference: &Inference, settings: &InferenceSettings) -> Vec<Table> {
     let mut tables = Vec::new();
     let answered: Vec<&Person> = inference.people.iter().filter(|p| p.answers + p.sightings > 0).collect();
@@ -191,7 +191,7 @@ fn of_held_out(rows: &[HeldOut]) -> Table {
         )
 }
 
-/// What mean answers say.
+/// The population inferred from mean answers.
 pub(super) fn of_means(means: &Means, answers: &Answers, people: u64) -> String {
     let rows = Columns::of(&means.rows)
         .text("world", "world", |row| row.world.clone())
@@ -214,7 +214,7 @@ fn scaled(answers: &Answers) -> String {
     answers.scaled.iter().map(line).collect()
 }
 
-/// What was scaled or left out.
+/// Sentences about answers that were scaled or left out.
 pub(super) fn notes(answers: Option<&Answers>, inference: &Inference) -> String {
     let lines = inference.tolerances.iter().flat_map(|fit| &fit.unexplained_lines);
     let lines: Vec<String> = lines.map(u64::to_string).collect();

@@ -8,7 +8,7 @@ use anyhow::{Context, anyhow};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use cocarry_output::output_file::{OutputFile, Outputs};
-use cocarry_studies::report::{PARTS, Part, Plan, Report, ReportError, Section};
+use cocarry_studies::report::{PARTS, Part, Plan, Report, Section};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -123,7 +123,7 @@ pub(super) fn reproduce_all(arguments: &AllArguments) -> Result<(), Failure> {
 }
 
 /// Every part's section, in order.
-fn sections(plan: &Plan, parts: &[&Part]) -> Result<Vec<Section>, ReportError> {
+fn sections(plan: &Plan, parts: &[&Part]) -> Result<Vec<Section>, cocarry::Error> {
     parts
         .iter()
         .map(|part| {

@@ -66,7 +66,7 @@ pub(super) fn reproduce_cycles(arguments: &CyclesArguments) -> Result<(), Failur
         let kept = std::fs::read_dir(folder).into_iter().flatten().flatten();
         let mut kept = kept.filter(|entry| entry.file_name().to_string_lossy().starts_with("cycle-"));
         if let Some(entry) = kept.next().filter(|_| !arguments.overwrite.overwrite) {
-            return Err(input(OutputError::Exists { file: entry.path() }));
+            return Err(input(OutputError::exists(&entry.path())));
         }
     }
     let has_bodies = arguments.plant == PlantKind::Rapier;

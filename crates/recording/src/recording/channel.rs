@@ -1,8 +1,9 @@
 //! The channels of a recording: topic, schema and encoding of each.
 
+use super::json_schema::schema;
 use cocarry::quantities::{
-    BASE, CONTROL, COORDINATION, COST, EPISODE, INTERACTION, JOINTS, LEARNED, OPTIONS, PREPARATION, Quantity,
-    Record, STEP, headings, json, schema,
+    self, BASE, CONTROL, COORDINATION, COST, EPISODE, Fields, INTERACTION, JOINTS, LEARNED, OPTIONS,
+    PREPARATION, Quantity, Record, STEP, headings,
 };
 use foxglove::messages::{FrameTransforms, JointStates, Log, SceneUpdate};
 use foxglove::{Encode, Schema};
@@ -35,7 +36,7 @@ pub enum Channel {
     Base,
     /// The controller's inputs: references, and the candidates of eq. (8).
     Preparation,
-    /// What the robot has learned of the human.
+    /// The robot's belief about the human.
     Learned,
     /// Forces.
     Interaction,
@@ -163,21 +164,22 @@ impl Message {
         Self { channel, time, data }
     }
 
-    /// A JSON message, without the fields that are null.
+    /// A JSON message, without the fields that are missing.
     pub(super) fn json(channel: Channel, time: u64, record: Record) -> Self {
-        let mut message = json(record);
-        leave_out_nulls(&mut message);
-        Self { channel, time, data: message.to_string().into_bytes() }
+        let mut fields = record.into_iter().collect();
+        leave_out_missing(&mut fields);
+        let data = serde_json::to_vec(&fields).expect("texts, numbers and maps with text keys are JSON");
+        Self { channel, time, data }
     }
 }
 
-fn leave_out_nulls(value: &mut Value) {
-    match value {
-        Value::Object(fields) => {
-            fields.retain(|_, field| !field.is_null());
-            fields.values_mut().for_each(leave_out_nulls);
+fn leave_out_missing(fields: &mut Fields) {
+    fields.retain(|_, value| *value != quantities::Value::Missing);
+    for value in fields.values_mut() {
+        match value {
+            quantities::Value::Record(fields) => leave_out_missing(fields),
+            quantities::Value::List(records) => records.iter_mut().for_each(leave_out_missing),
+            _ => {}
         }
-        Value::Array(items) => items.iter_mut().for_each(leave_out_nulls),
-        _ => {}
     }
 }

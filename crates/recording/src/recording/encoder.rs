@@ -21,12 +21,12 @@ pub struct Encoder<'a> {
     team: Option<Vec<u8>>,
     events: Events,
     walked: Vec<Point>,
-    /// What was learned of the human, as of the last message about it.
+    /// The belief in the last message about it.
     learned: Option<Known>,
     messages: Vec<Message>,
 }
 
-/// What a belief depends on.
+/// The values that a belief depends on.
 #[derive(Clone, Debug, PartialEq)]
 struct Known {
     perception: Learned,

@@ -22,7 +22,7 @@ pub enum RecordingError {
     Write {
         /// The file.
         file: String,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
 }
@@ -31,7 +31,7 @@ impl RecordingError {
     /// The same error, for a file that was removed.
     pub(super) fn begun(self) -> Self {
         match self {
-            Self::Write { file, source } => OutputError::Write { file: file.into(), source }.into(),
+            Self::Write { file, source } => OutputError::write(file.as_ref(), source).into(),
             other => other,
         }
     }
@@ -45,7 +45,7 @@ pub enum ReadError {
     Read {
         /// The file.
         file: String,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
     /// The file does not begin like an MCAP file.

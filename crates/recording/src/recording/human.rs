@@ -23,7 +23,8 @@ const FOREARM: f64 = 0.38;
 const STRIDE: f64 = 0.96;
 /// A foot is on the floor for this part of a stride.
 const STANCE: f64 = 0.62;
-/// The largest distance of a hand from the middle of the object's end, and that of a hand from the wood.
+/// The largest distance of a hand from the middle of the object's end, and the distance of a hand from the
+/// wood.
 const REACH: f64 = 0.28;
 const GRIP: f64 = 0.012;
 /// Coordinates are whole multiples of this, m; so they need few bytes.

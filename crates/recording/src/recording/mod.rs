@@ -48,6 +48,7 @@ mod events;
 mod file;
 mod frames;
 mod human;
+mod json_schema;
 #[cfg(feature = "live")]
 mod live;
 mod meshes;

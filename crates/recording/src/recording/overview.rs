@@ -8,7 +8,7 @@ use cocarry::world::World;
 
 /// The vertical field of view of the cameras of a viewer.
 pub const FIELD_OF_VIEW_DEG: f64 = 45.0;
-/// The smallest panel in which the labels are apart, px: that of the layout in a window of 1120 by 740.
+/// The smallest panel in which the labels are apart, px: the layout's in a window of 1120 by 740.
 const PANEL: [f64; 2] = [590.0, 310.0];
 /// Angle of the view from straight down.
 const TILT_DEG: f64 = 38.0;

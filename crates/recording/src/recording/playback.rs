@@ -56,7 +56,7 @@ pub struct RecordedEvent {
     pub time: u64,
     /// Its subject: episode, human, preference, mode, option, contact or end.
     pub about: String,
-    /// What happened, as one sentence.
+    /// The event, as one sentence.
     pub sentence: String,
 }
 

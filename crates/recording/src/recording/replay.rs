@@ -97,7 +97,7 @@ pub fn rerun<R: Read>(
     Ok(prepared.scenario().clone())
 }
 
-/// What a replay takes from the recording.
+/// The parts of the recording that a replay uses.
 #[derive(Default)]
 struct Known {
     /// The number of steps after which the user interrupted the run, if any.

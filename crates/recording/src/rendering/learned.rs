@@ -1,4 +1,4 @@
-//! What a robot that learns knew of its human at every time, for the 3-D player.
+//! The belief of a robot that learns about its human at every time, for the 3-D player.
 
 use super::player::figure;
 use crate::recording::{Channel, Playback};

@@ -4,7 +4,6 @@
 //! Everything is drawn from what the recording holds, in the colours of [`drawing`](cocarry_output::drawing). Equal
 //! recordings give equal bytes.
 
-mod error;
 mod film;
 mod layout;
 mod learned;
@@ -13,7 +12,6 @@ mod pictures;
 mod player;
 mod robot;
 
-pub use error::RenderError;
 pub use layout::viewer_layout;
 pub use pictures::{Pixels, Width, filmstrip_png, filmstrip_svg, last_picture, moving_gif};
 pub use player::player;

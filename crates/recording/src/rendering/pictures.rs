@@ -1,15 +1,16 @@
 //! Pictures of an episode as files: filmstrips as SVG and PNG, and moving ones as GIF.
 
-use super::RenderError;
 use super::film::film;
 use super::outlines::outlined;
 use crate::recording::Playback;
+use cocarry::Error;
 use cocarry_output::drawing::{NARROWEST, WIDEST};
 use gif::{DisposalMethod, Encoder, Frame, Repeat};
 use resvg::tiny_skia::{Color, Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::fmt::Display;
 
 /// Resolution of a PNG whose width is given in inches, px per inch.
 const RESOLUTION: f64 = 300.0;
@@ -64,19 +65,19 @@ impl Width {
 /// The filmstrip as SVG: the team at `instants` times on one map, with phi next to it. Its text is text.
 ///
 /// # Errors
-/// [`RenderError::Drawing`].
-pub fn filmstrip_svg(playback: &Playback, instants: usize, width: Width) -> Result<String, RenderError> {
-    Ok(film(playback).strip(instants, width.layout(), width.shown())?)
+/// There is nothing to draw, or a number cannot be drawn.
+pub fn filmstrip_svg(playback: &Playback, instants: usize, width: Width) -> Result<String, Error> {
+    film(playback).strip(instants, width.layout(), width.shown())
 }
 
 /// The filmstrip as a PNG file.
 ///
 /// # Errors
-/// [`RenderError`]: it cannot be drawn, or is too large.
-pub fn filmstrip_png(playback: &Playback, instants: usize, width: Width) -> Result<Vec<u8>, RenderError> {
+/// It cannot be drawn, or is too large.
+pub fn filmstrip_png(playback: &Playback, instants: usize, width: Width) -> Result<Vec<u8>, Error> {
     let svg = film(playback).strip(instants, width.layout(), width.shown())?;
     let picture = raster(&svg, width.pixels())?;
-    picture.encode_png().map_err(|error| RenderError::Image(error.to_string()))
+    picture.encode_png().map_err(no_image)
 }
 
 /// The team on the map with phi next to it, as a moving GIF at twice the recording's speed. Of a long episode
@@ -84,7 +85,7 @@ pub fn filmstrip_png(playback: &Playback, instants: usize, width: Width) -> Resu
 ///
 /// # Errors
 /// As [`filmstrip_png`].
-pub fn moving_gif(playback: &Playback, width: Width) -> Result<Vec<u8>, RenderError> {
+pub fn moving_gif(playback: &Playback, width: Width) -> Result<Vec<u8>, Error> {
     let film = film(playback);
     let moments = film.moments.len();
     let mut shown: Vec<usize> = (0..moments).step_by(moments.div_ceil(MAX_PICTURES).max(1)).collect();
@@ -92,11 +93,11 @@ pub fn moving_gif(playback: &Playback, width: Width) -> Result<Vec<u8>, RenderEr
     let moving = film.moving(width.layout(), None)?;
     let picture = |at: usize| raster(&moving.picture(at), width.pixels());
     let samples = shown.iter().step_by(shown.len().div_ceil(SAMPLES)).map(|&at| picture(at));
-    let samples = samples.collect::<Result<Vec<Pixmap>, RenderError>>()?;
+    let samples = samples.collect::<Result<Vec<Pixmap>, Error>>()?;
     let mut palette = Palette::of(&samples);
     let (breadth, height) = (samples[0].width(), samples[0].height());
     drop(samples);
-    let image = |error: gif::EncodingError| RenderError::Image(error.to_string());
+    let image = |error: gif::EncodingError| no_image(error);
     let side = |length: u32| u16::try_from(length).map_err(|_| too_large(breadth, height));
     let mut file = Vec::new();
     let mut encoder =
@@ -133,7 +134,7 @@ const TOLD_LINES: usize = 3;
 ///
 /// # Errors
 /// As [`filmstrip_png`].
-pub fn last_picture(playback: &Playback, width: Width) -> Result<Pixels, RenderError> {
+pub fn last_picture(playback: &Playback, width: Width) -> Result<Pixels, Error> {
     let film = film(playback);
     let last = film.moments.len().saturating_sub(1);
     let picture = raster(&film.moving(width.layout(), Some(TOLD_LINES))?.picture(last), width.pixels())?;
@@ -141,16 +142,21 @@ pub fn last_picture(playback: &Playback, width: Width) -> Result<Pixels, RenderE
     Ok(Pixels { width: picture.width(), height: picture.height(), colours })
 }
 
-fn too_large(width: u32, height: u32) -> RenderError {
-    RenderError::Image(format!("{width} x {height} pixels are too many"))
+/// The error of an image that the encoder refuses.
+fn no_image(why: impl Display) -> Error {
+    Error::new(format!("the image cannot be created: {why}"))
+}
+
+fn too_large(width: u32, height: u32) -> Error {
+    no_image(format_args!("{width} x {height} pixels are too many"))
 }
 
 /// A picture as pixels.
-fn raster(svg: &str, width: f64) -> Result<Pixmap, RenderError> {
-    let failed = || RenderError::Image("the picture cannot be read back".to_owned());
+fn raster(svg: &str, width: f64) -> Result<Pixmap, Error> {
+    let failed = || no_image("the picture cannot be read back");
     let outlined = outlined(svg).ok_or_else(failed)?;
     let tree = Tree::from_str(&outlined, &Options::default());
-    let tree = tree.map_err(|error| RenderError::Image(error.to_string()))?;
+    let tree = tree.map_err(no_image)?;
     let scale = width / f64::from(tree.size().width());
     let height = (f64::from(tree.size().height()) * scale).round();
     let mut pixels =

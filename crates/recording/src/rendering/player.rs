@@ -1,12 +1,13 @@
 //! The 3-D player: one self-contained HTML page, which is the built page of `viewer/` with the episode in it.
 
-use super::RenderError;
 use super::learned::learned;
 use crate::recording::{Channel, Frame, Playback};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD as STANDARD;
+use cocarry::Error;
+use cocarry::error::Place;
 use cocarry::geometry::{Footprint, Point, Pose};
-use cocarry::located;
+use cocarry::located::{self, unreadable};
 use cocarry::quantities::{COORDINATION, COST, INTERACTION, Kind, Quantity};
 use cocarry::robot::{Geometry, Link, Robot, Shape};
 use cocarry::world::World;
@@ -31,8 +32,8 @@ const SAGITTA: f64 = 0.01;
 /// meshes are drawn with their collision shapes. Equal recordings give equal bytes.
 ///
 /// # Errors
-/// [`RenderError`]: the robot is another one, or a mesh cannot be read.
-pub fn player(playback: &Playback, title: &str, robot: Option<&Robot>) -> Result<String, RenderError> {
+/// The robot is another one, or a mesh cannot be read.
+pub fn player(playback: &Playback, title: &str, robot: Option<&Robot>) -> Result<String, Error> {
     Ok(filled(&episode(playback, title, robot)?))
 }
 
@@ -56,7 +57,7 @@ pub(super) fn colours() -> Value {
     })
 }
 
-fn episode(playback: &Playback, title: &str, robot: Option<&Robot>) -> Result<Value, RenderError> {
+fn episode(playback: &Playback, title: &str, robot: Option<&Robot>) -> Result<Value, Error> {
     let prepared = &playback.prepared;
     let (world, scenario) = (prepared.world(), prepared.scenario());
     let mut meshes = Meshes::default();
@@ -67,7 +68,9 @@ fn episode(playback: &Playback, title: &str, robot: Option<&Robot>) -> Result<Va
             (&recorded.texts.urdf, &found.texts.urdf, "URDF"),
         ];
         if let Some((_, _, what)) = texts.into_iter().find(|(a, b, _)| a != b) {
-            return Err(RenderError::OtherRobot { file: found.texts.file.clone(), what });
+            let sentence =
+                format_args!("is not the robot of the recording: its {what} differs from the recorded one");
+            return Err(Error::at(Place::file(&found.texts.file), sentence));
         }
         meshes.can_be_found = true;
     }
@@ -276,16 +279,17 @@ pub(super) struct Meshes {
 
 impl Meshes {
     /// The index of a file's data.
-    fn index(&mut self, file: &Path) -> Result<usize, RenderError> {
+    fn index(&mut self, file: &Path) -> Result<usize, Error> {
         if let Some(&index) = self.known.get(file) {
             return Ok(index);
         }
         let format = file.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
         if !["stl", "obj", "dae"].contains(&&*format) {
-            return Err(RenderError::MeshFormat { file: file.to_owned() });
+            let sentence = "a mesh of an unknown format; expected .stl, .obj or .dae";
+            return Err(Error::at(Place::file(file.display().to_string()), sentence));
         }
         let bytes = located::read_bytes(MAX_MESH, file);
-        let bytes = bytes.map_err(|source| RenderError::Mesh { file: file.to_owned(), source })?;
+        let bytes = bytes.map_err(|source| unreadable(file.display(), source))?;
         self.data.push(json!({ "format": format, "base64": STANDARD.encode(&bytes) }));
         self.known.insert(file.to_owned(), self.data.len() - 1);
         Ok(self.data.len() - 1)
@@ -294,14 +298,14 @@ impl Meshes {
 
 /// The shapes of a link to draw: the visual ones; the collision shapes where those are meshes that cannot be
 /// found.
-pub(super) fn shapes(link: &Link, meshes: &mut Meshes) -> Result<Vec<Value>, RenderError> {
+pub(super) fn shapes(link: &Link, meshes: &mut Meshes) -> Result<Vec<Value>, Error> {
     let can_be_found = meshes.can_be_found;
     let is_drawn = |g: &&Geometry| can_be_found || !matches!(g.shape, Shape::Mesh { .. });
     let shown = if link.visuals.iter().any(|g| is_drawn(&g)) { &link.visuals } else { &link.collisions };
     shown.iter().filter(is_drawn).map(|geometry| shape(geometry, meshes)).collect()
 }
 
-pub(super) fn shape(geometry: &Geometry, meshes: &mut Meshes) -> Result<Value, RenderError> {
+pub(super) fn shape(geometry: &Geometry, meshes: &mut Meshes) -> Result<Value, Error> {
     let mut drawn = match &geometry.shape {
         Shape::Box { size } => json!({ "box": [size.x, size.y, size.z] }),
         Shape::Cylinder { radius, length } => json!({ "cylinder": [radius, length] }),

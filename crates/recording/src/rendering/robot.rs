@@ -1,7 +1,7 @@
 //! A page that shows a robot in its postures: the 3-D player without an episode.
 
-use super::RenderError;
 use super::player::{Meshes, colours, filled, pose, shape, shapes};
+use cocarry::Error;
 use cocarry::geometry::{Footprint, PlanarPose, Point};
 use cocarry::robot::{ArmJoint, Configuration, Geometry, JointVector, Motion, Robot, Shape};
 use serde_json::{Value, json};
@@ -16,8 +16,8 @@ const BETWEEN: u32 = 24;
 /// collide. `remarks` are sentences about it, which stand next to the picture. Equal robots give equal bytes.
 ///
 /// # Errors
-/// [`RenderError`]: a mesh cannot be read.
-pub fn robot_page(robot: &Robot, about: &str, remarks: &[String]) -> Result<String, RenderError> {
+/// A mesh cannot be read.
+pub fn robot_page(robot: &Robot, about: &str, remarks: &[String]) -> Result<String, Error> {
     let mut meshes = Meshes::default();
     meshes.can_be_found = true;
     let mut links = Vec::new();

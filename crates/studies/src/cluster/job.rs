@@ -18,7 +18,7 @@ const DESCRIPTION: &str = "job.toml";
 const SCRIPT: &str = "task.sh";
 const SHARDS: &str = "shards";
 const LOGS: &str = "logs";
-/// What the description begins with.
+/// The first lines of the description.
 const HEADING: &str =
     "# A study on a cluster; see `cocarry cluster --help`. The program reads and writes this file.\n\n";
 /// The largest number of shards.
@@ -45,7 +45,7 @@ pub struct Description {
     pub shards: u64,
     /// Further options of `sbatch`.
     pub sbatch: Vec<String>,
-    /// What was submitted, in order.
+    /// The submitted arrays, in order.
     #[serde(default, rename = "array", skip_serializing_if = "Vec::is_empty")]
     pub arrays: Vec<Array>,
 }
@@ -277,7 +277,7 @@ impl Job {
         let path = self.shard_file(shard, "nodes");
         let opened = OpenOptions::new().create(true).append(true).open(&path);
         let written = opened.and_then(|mut file| file.write_all(format!("{episode} {node}\n").as_bytes()));
-        let write = |source| OutputError::Write { file: path.clone(), source };
+        let write = |source| OutputError::write(&path, source);
         Ok(written.map_err(write)?)
     }
 

@@ -11,7 +11,7 @@ const OWN: [&str; 6] = ["--array", "-a", "--wrap", "--parsable", "--output", "-o
 /// The largest number of tasks of an array where the scheduler does not say; its default.
 pub const MAX_TASKS: u64 = 1000;
 
-/// What the scheduler says about a task.
+/// The scheduler's report about a task.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Task {
     /// It waits, for a reason.

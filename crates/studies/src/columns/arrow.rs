@@ -8,8 +8,7 @@ use arrow_array::builder::{BooleanBuilder, Float64Builder, Int64Builder, StringB
 use arrow_array::{ArrayRef, ListArray, RecordBatch, StructArray};
 use arrow_buffer::{NullBuffer, OffsetBuffer, ScalarBuffer};
 use arrow_schema::{ArrowError, DataType, Field, FieldRef, Fields, Schema, SchemaRef};
-use cocarry::quantities::{Heading, Kind};
-use serde_json::Value;
+use cocarry::quantities::{Fields as Record, Heading, Kind, Value};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -105,7 +104,7 @@ impl Column {
             Self::Count(values) => values.append_option(text.parse().ok()),
             Self::Flag(values) => values.append_option(text.parse().ok()),
             Self::Text(values) => values.append_option((!text.is_empty()).then_some(text)),
-            Self::List { .. } | Self::Record { .. } => self.add(&Value::Null),
+            Self::List { .. } | Self::Record { .. } => self.add(&Value::Missing),
         }
     }
 
@@ -113,22 +112,36 @@ impl Column {
     pub fn add(&mut self, value: &Value) {
         match self {
             Self::Number(values) => values.append_option(value.as_f64()),
-            Self::Count(values) => values.append_option(value.as_i64()),
-            Self::Flag(values) => values.append_option(value.as_bool()),
+            Self::Count(values) => {
+                values.append_option(if let Value::Count(count) = value { Some(*count) } else { None });
+            }
+            Self::Flag(values) => {
+                values.append_option(if let Value::Flag(flag) = value { Some(*flag) } else { None });
+            }
             Self::Text(values) => values.append_option(value.as_str()),
             Self::List { items, offsets, .. } => {
-                let list = value.as_array().into_iter().flatten();
                 let before = *offsets.last().expect("offsets begin with 0");
-                let added = list.map(|value| items.add(value)).count();
+                let added = match value {
+                    Value::Numbers(list) => list.iter().map(|number| items.add(&(*number).into())).count(),
+                    Value::List(list) => list.iter().map(|record| items.add_record(Some(record))).count(),
+                    _ => 0,
+                };
                 offsets.push(before.wrapping_add(added as i32));
             }
-            Self::Record { fields, columns, present } => {
-                for (field, column) in fields.iter().zip(columns) {
-                    column.add(value.get(field.name()).unwrap_or(&Value::Null));
-                }
-                present.push(value.is_object());
+            Self::Record { .. } => {
+                self.add_record(if let Value::Record(record) = value { Some(record) } else { None });
             }
         }
+    }
+
+    /// Adds a record to a column of records.
+    fn add_record(&mut self, record: Option<&Record>) {
+        let Self::Record { fields, columns, present } = self else { return };
+        for (field, column) in fields.iter().zip(columns) {
+            column
+                .add(record.and_then(|record| record.get(field.name().as_str())).unwrap_or(&Value::Missing));
+        }
+        present.push(record.is_some());
     }
 
     /// The values.
@@ -210,7 +223,6 @@ mod tests {
     use arrow_array::cast::AsArray;
     use arrow_array::types::{Float64Type, Int64Type};
     use cocarry::quantities::{OPTION, TICK, headings};
-    use serde_json::json;
 
     #[test]
     fn every_quantity_of_a_tick_has_a_type_a_unit_and_a_meaning() {
@@ -242,10 +254,12 @@ mod tests {
         ];
         let mut columns = Columns::new(&headings);
         let number: f64 = 0.1 + 0.2;
-        let list = json!([{ "name": "left", "risk": -0.0, "misaligned": true }, { "name": "right" }]);
-        columns.add([], [&json!(number), &json!(i64::MAX), &list]);
-        columns.add([], [&Value::Null; 3]);
-        columns.add([number.to_string().as_str(), ""], [&Value::Null]);
+        let left =
+            Record::from([("name", "left".into()), ("risk", (-0.0).into()), ("misaligned", true.into())]);
+        let list = Value::List(vec![left, Record::from([("name", "right".into())])]);
+        columns.add([], [&number.into(), &i64::MAX.into(), &list]);
+        columns.add([], [&Value::Missing; 3]);
+        columns.add([number.to_string().as_str(), ""], [&Value::Missing]);
         let batch = columns.batch().unwrap();
         let numbers = batch.column(0).as_primitive::<Float64Type>();
         assert_eq!([0, 2].map(|row| numbers.value(row).to_bits()), [number.to_bits(); 2]);

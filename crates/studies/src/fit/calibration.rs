@@ -35,7 +35,7 @@ pub struct Calibration {
     pub settings: episode::Settings,
     /// How humans really lapse and change.
     pub truth: Settings,
-    /// What the robot assumes of that.
+    /// How the robot assumes that they do.
     pub assumed: Settings,
     /// Number of humans.
     pub replications: u64,
@@ -71,7 +71,7 @@ pub struct Replication {
 /// A check of the ranks of one parameter, or of the regions of (alpha, gamma).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Check {
-    /// What is checked.
+    /// The name of the check.
     pub name: &'static str,
     /// The largest distance of the empirical distribution from the uniform one.
     pub distance: f64,
@@ -86,7 +86,7 @@ pub struct Check {
     pub is_calibrated: bool,
 }
 
-/// The worlds that humans are watched in, with what is known of every option.
+/// The worlds in which humans are observed, with the guidance along every option.
 struct Watched<'a> {
     set: &'a OptionSet,
     guidances: Vec<Option<Guidance>>,

@@ -136,7 +136,7 @@ pub const DIFFUSE: f64 = 0.3;
 /// each of the paper's environments, but give any answer at all with a probability of [`DIFFUSE`].
 ///
 /// # Errors
-/// Of a built-in world, or of a fit.
+/// An error of a built-in world, or of a fit.
 pub fn risk_weight_coverage(
     risk_weight: f64,
     studies: usize,

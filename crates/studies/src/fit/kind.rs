@@ -6,7 +6,7 @@ use cocarry::error::Place;
 use cocarry::located;
 use std::path::Path;
 
-/// What participants did.
+/// The kind of a file, by what participants did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// They said how likely they would choose each option.

@@ -1,9 +1,10 @@
 //! How often the intervals of the fits of eta and c_r hold what simulated studies were made from.
 
-use super::part::{Block, Finding, Part, Plan, ReportError, Section, none};
+use super::part::{Block, Finding, Part, Plan, Section, none};
 use crate::fit::{Coverage, EtaDesign, MEDIAN, risk_weight_coverage};
 use crate::parallel::OnDone;
 use crate::table::{Cell, Columns, Table};
+use cocarry::Error;
 
 /// The coverage of the fits.
 pub(crate) const PART: Part =
@@ -44,7 +45,7 @@ struct RiskWeightRow {
     cells: [Coverage; 2],
 }
 
-fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
+fn run(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let eta = PEOPLE.map(|people| EtaRow {
         people,
         cells: CENSORED.map(|(_, longest)| {

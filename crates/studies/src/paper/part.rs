@@ -3,10 +3,9 @@
 use super::{arrivals, contacts, cycles as locked, h2, h3, h4};
 use crate::parallel::OnDone;
 use crate::table::Table;
+use cocarry::Error;
 use cocarry::episode::Settings;
 use cocarry::robot::Robot;
-use cocarry_output::drawing::DrawingError;
-use thiserror::Error;
 
 /// The extent of a report.
 #[derive(Clone, Debug)]
@@ -89,7 +88,7 @@ pub struct Part {
     /// Number of simulated studies of people that it fits.
     pub studies: fn(&Plan) -> usize,
     /// Runs the episodes.
-    pub run: fn(&Plan, OnDone) -> Result<Section, ReportError>,
+    pub run: fn(&Plan, OnDone) -> Result<Section, Error>,
 }
 
 /// For parts without episodes, or without simulated studies.
@@ -141,17 +140,6 @@ pub struct Figure {
     pub is_half: bool,
     /// The picture, as SVG.
     pub svg: String,
-}
-
-/// The reason why there is no report. It is a fault of the program, since everything reported on is built in.
-#[derive(Debug, Error)]
-pub enum ReportError {
-    /// An error of a built-in world, or of the fit of c_r.
-    #[error(transparent)]
-    BuiltIn(#[from] cocarry::Error),
-    /// An error of a picture.
-    #[error(transparent)]
-    Drawing(#[from] DrawingError),
 }
 
 /// `n of m` in words: whether a claim holds in all of them.

@@ -4,7 +4,6 @@ use super::{FORMAT, Figure, Figures, Tolerance, figure_names};
 use cocarry::Error;
 use cocarry::error::Place;
 use cocarry::located::{self, MAX_SETTINGS};
-use cocarry::quantities::cell;
 use std::path::Path;
 use toml_edit::{Document, DocumentMut, Item, Table};
 
@@ -45,7 +44,7 @@ pub enum Value {
     List(Vec<String>),
 }
 
-/// What a baseline is, in errors.
+/// The name of a baseline's kind, in errors.
 const KIND: &str = "file of runs";
 
 /// The keys at the top of a file.
@@ -125,9 +124,11 @@ impl Baseline {
                 table.decor_mut().set_prefix("\n");
             }
             for (name, figure) in figures {
-                let count = figure.as_i64().map(toml_edit::Value::from);
-                let value =
-                    count.or_else(|| Some(figure.as_f64()?.into())).unwrap_or_else(|| cell(figure).into());
+                let value = match figure {
+                    Figure::Count(count) => toml_edit::Value::from(*count),
+                    Figure::Number(number) => (*number).into(),
+                    other => other.cell().into(),
+                };
                 table.insert(name, toml_edit::value(value));
             }
             run.insert("recorded", Item::Table(table));
@@ -237,7 +238,7 @@ fn run(source: &BaselineSource, table: &Table) -> Result<Run, Error> {
     Ok(run)
 }
 
-/// The value of an argument; `None` for what is none.
+/// The value of an argument; `None` for a value of another kind.
 fn argument(value: &toml_edit::Value) -> Option<Value> {
     if let Some(list) = value.as_array() {
         return list.iter().map(text).collect::<Option<_>>().map(Value::List);

@@ -3,11 +3,11 @@
 use super::{Figures, Tolerance};
 use cocarry::geometry::{Point, cross};
 use cocarry::options::Crossing;
-use cocarry::quantities::{EPISODE, View};
+use cocarry::quantities::{self, EPISODE, View};
 use cocarry::scenario::PreparedScenario;
 
 /// A figure of a run: a word, a whole number or a number.
-pub type Figure = serde_json::Value;
+pub type Figure = quantities::Value;
 
 /// The keys of the figures of the route, which show the side on which the team passed.
 const WALKED: [&str; 2] = ["openings", "mean_offset_m"];
@@ -72,7 +72,7 @@ impl Route {
 pub fn figures(view: &View, route: &Route) -> Figures {
     let mean_offset = route.offsets / route.steps.max(1) as f64;
     let walked = WALKED.into_iter().zip([route.openings(view.prepared).into(), mean_offset.into()]);
-    view.read(EPISODE).into_iter().chain(walked).filter(|(_, figure)| !figure.is_null()).collect()
+    view.read(EPISODE).into_iter().chain(walked).filter(|(_, figure)| *figure != Figure::Missing).collect()
 }
 
 #[cfg(test)]
@@ -92,7 +92,7 @@ mod tests {
         let exact = Tolerance { relative: 0.0, absolute: 0.0 };
         let never: Figure = "never".into();
         assert!(is_near(&never, &never, exact));
-        assert!(!is_near(&never, &42.into(), exact) && !is_near(&42.into(), &never, exact));
-        assert!(is_near(&2.into(), &2.0.into(), exact));
+        assert!(!is_near(&never, &Figure::Count(42), exact) && !is_near(&Figure::Count(42), &never, exact));
+        assert!(is_near(&Figure::Count(2), &Figure::Number(2.0), exact));
     }
 }

@@ -13,7 +13,7 @@ pub use crate::paper::h2::bodies::table_2_with_bodies;
 pub use crate::paper::h2::section::{example_picture, example_table, table_2};
 pub use crate::paper::h3::section::{Compared, ratio_picture, table_3, table_3_ratios};
 pub use crate::paper::h4::section::{learning_tables, people_table};
-pub use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section};
+pub use crate::paper::part::{Block, Figure, Finding, Part, Plan, Section};
 
 use crate::paper::{arrivals, contacts, coverage, cycles, h1, h2, h3, h4};
 use crate::table::Table;

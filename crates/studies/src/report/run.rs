@@ -45,7 +45,7 @@ pub(super) fn end(plan: &Plan, run: &[&Part]) -> String {
     format!("{deviations}\n\n## This run\n\n{}{}", parts(plan, run), settings(plan))
 }
 
-/// What a report runs in all, in words.
+/// The episodes and studies that a report runs, in words.
 fn all(plan: &Plan, run: &[&Part]) -> String {
     let [episodes, studies] = totals(plan, run);
     match studies {

@@ -6,7 +6,7 @@ use cocarry_output::output_file::OutputError;
 use std::fmt;
 use std::path::PathBuf;
 
-/// What the system or another part said.
+/// The error of the system or of another part.
 type Cause = Box<dyn std::error::Error + Send + Sync>;
 
 /// Why a sweep was refused, or stopped.

@@ -79,7 +79,7 @@ fn check_study(file: &str, found: &Identity, first: &str, expected: &Identity) -
 /// Writes the rows of all parts. The parts are in order.
 fn write(out: &mut OutputFile, parts: Vec<Part>, study: &Identity) -> Result<(), SweepError> {
     let partial = out.partial().to_owned();
-    let unwritable = |source| OutputError::Write { file: partial.clone(), source };
+    let unwritable = |source| OutputError::write(&partial, source);
     out.write_all(&row::header()).map_err(unwritable)?;
     let mut before: Option<String> = None;
     let mut covered: Vec<Range<u64>> = Vec::new();

@@ -179,7 +179,7 @@ impl Study {
         &self.slow_drives
     }
 
-    /// What is to be known of robots in their worlds, each once: see [`PreparedScenario::robot_warnings`].
+    /// Warnings about robots in their worlds, each once: see [`PreparedScenario::robot_warnings`].
     pub fn robot_warnings(&self) -> &[String] {
         &self.robot_warnings
     }

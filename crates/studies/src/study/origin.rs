@@ -1,4 +1,4 @@
-//! What a file of results is of: the study, and the arithmetic.
+//! The origin of a file of results: the study, and the arithmetic.
 
 /// Where rows come from.
 #[derive(Clone, Debug)]

@@ -95,7 +95,7 @@ impl<S: Borrow<Study>> Sweep<S> {
             ticks.as_ref().is_none_or(|t| kept <= t.covered() && t.begins_file(episodes.start + kept))
         };
         let partial = file.partial().to_owned();
-        let write = |source| OutputError::Write { file: partial.clone(), source };
+        let write = |source| OutputError::write(&partial, source);
         let found = rows_kept(study, file.as_file(), &partial.display().to_string(), &episodes, is_kept);
         let (bytes, kept) = match found {
             Err(error @ (SweepError::File(_) | SweepError::Output(_))) => return Err(error),
@@ -128,7 +128,7 @@ impl<S: Borrow<Study>> Sweep<S> {
     pub fn append(&mut self, rows: &[u8]) -> Result<(), SweepError> {
         let partial = self.file.partial().to_owned();
         let name = partial.display().to_string();
-        let write = |source| OutputError::Write { file: partial.clone(), source };
+        let write = |source| OutputError::write(&partial, source);
         for line in rows.split_inclusive(|byte| *byte == b'\n') {
             let due = self.episodes.start + self.kept;
             check_row(self.study.borrow(), line, &name, self.kept + 2, due, self.episodes.end)?;
@@ -151,7 +151,7 @@ impl<S: Borrow<Study>> Sweep<S> {
         let left = episodes.start + kept..episodes.end;
         let mut append = |lines: &[u8], count: u64| {
             let written = file.write_all(lines).and_then(|()| file.flush());
-            written.map_err(|source| OutputError::Write { file: file.partial().to_owned(), source })?;
+            written.map_err(|source| OutputError::write(file.partial(), source))?;
             (0..count).for_each(|_| on_done());
             match stop.load(Ordering::Relaxed) {
                 true => Err(SweepError::Stopped { file: file.partial().to_owned() }),

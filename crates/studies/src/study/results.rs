@@ -87,12 +87,12 @@ pub(super) fn check_header(line: &[u8], file: &str) -> Result<(), SweepError> {
     Ok(())
 }
 
-/// Gives a complete partial file of rows its final form: as it is, or as Parquet, by the name's ending.
+/// Gives a complete partial file of rows its final form: as it is, or as Parquet, by the name's extension.
 pub(super) fn finish(file: OutputFile, path: &Path, origin: &Origin) -> Result<(), SweepError> {
     if !is_parquet(path) {
         return Ok(file.finish()?);
     }
-    let write = |source| OutputError::Write { file: path.to_owned(), source };
+    let write = |source| OutputError::write(path, source);
     Ok(file.finish_as(|lines, out| tables::write(lines, out, origin).map_err(write))?)
 }
 

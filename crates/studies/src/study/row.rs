@@ -6,7 +6,7 @@ use crate::table::text_cell;
 use cocarry::Error;
 use cocarry::episode::{Episode, Outcome};
 use cocarry::preference::Perception;
-use cocarry::quantities::{EPISODE, Heading, Kind, View, cell};
+use cocarry::quantities::{EPISODE, Heading, Kind, View};
 use cocarry::scenario::{self, PlantKind, PreparedScenario, SETTINGS, Scenario, Value};
 
 /// A column: its name, its meaning, and its value for a cell, which is `None` where the column does not apply.
@@ -174,7 +174,7 @@ pub(super) fn to_its_end(prepared: &PreparedScenario) -> Result<Episode<'_>, Err
 fn carry_out(prepared: &PreparedScenario, run: Run) -> Result<Vec<String>, Error> {
     let episode = run(prepared)?;
     let figures = View::new(prepared, &episode).read(EPISODE);
-    Ok(figures.iter().map(|(_, value)| cell(value)).collect())
+    Ok(figures.iter().map(|(_, value)| value.cell()).collect())
 }
 
 /// The figures of an episode that could not begin.

@@ -57,10 +57,7 @@ fn closed_form_the_figures_of_weighted_samples() {
     // another number of samples is another prior
     let fewer = Posterior::new(Belief::samples(weighted[..3].to_vec()).unwrap(), RISK_WEIGHT).unwrap();
     assert!(!posterior.restore(&fewer.learned()));
-    assert_eq!(
-        posterior.observe(&prospects, &Ways::default(), &[0.0, 0.0]),
-        Err(PreferenceError::Impossible)
-    );
+    assert!(posterior.observe(&prospects, &Ways::default(), &[0.0, 0.0]).is_err());
 }
 
 #[test]
@@ -95,11 +92,8 @@ fn closed_form_tied_ways_share_their_probability_and_what_is_seen_says_half_as_m
 fn an_option_that_everybody_prefers_says_nothing() {
     let mut posterior = Posterior::new(Belief::default(), RISK_WEIGHT).unwrap();
     let prospects = [Prospect::new(30.0, 0.6), Prospect::new(14.3, 0.2)];
-    assert_eq!(posterior.observe(&prospects, &Ways::default(), &[0.9, 0.3]), Ok(0.3));
-    assert_eq!(
-        posterior.observe(&prospects, &Ways::default(), &[0.9, 0.0]),
-        Err(PreferenceError::Impossible)
-    );
+    assert_eq!(posterior.observe(&prospects, &Ways::default(), &[0.9, 0.3]).unwrap(), 0.3);
+    assert!(posterior.observe(&prospects, &Ways::default(), &[0.9, 0.0]).is_err());
     let mut choice = ChoiceDistribution::default();
     posterior.predict_from(&prospects, &Ways::default(), &mut choice);
     assert_eq!(choice.probabilities(), [0.0, 1.0]);

@@ -17,7 +17,7 @@ pub(in super::super) const FAINT: &str = "#8a8a8a";
 pub(in super::super) const OBSTACLE: &str = "#a6a6a6";
 pub(in super::super) const OBSTACLE_EDGE: &str = "#595959";
 pub(in super::super) const PLAIN_OPENING: &str = "#cdebd0";
-/// What these are on dark paper: attribute, colour, colour there. White edges of coloured lines and marks
+/// These colours on dark paper: attribute, colour, colour there. White edges of coloured lines and marks
 /// become light ones, so that dark colours stay visible; the colours of options and of risk stay.
 const ON_DARK: [(&str, &str, &str); 13] = [
     ("fill", INK, "#e8e8e6"),
@@ -61,7 +61,7 @@ impl LineStyle {
         palette::hex(self.colour.map(|c| 255 - (255 - c) / 4))
     }
 
-    /// What the tint is on dark paper: the colour mixed with that.
+    /// The tint on dark paper: the colour mixed with that of the paper.
     fn dark_tint(self) -> String {
         let mixed = |i: usize| ((2 * u16::from(DARK_PAPER[i]) + u16::from(self.colour[i])) / 3) as u8;
         palette::hex([0, 1, 2].map(mixed))

@@ -1,4 +1,4 @@
-//! What was inferred as a store of ArviZ's groups.
+//! The result of an inference as a store of ArviZ's groups.
 
 use super::{CHAINS, Draws, Inference, Settings, Switches};
 use crate::fit::{Answers, set::hull};

@@ -33,7 +33,7 @@ pub struct Draws {
     pub log_density: Vec<f64>,
 }
 
-/// What draws are drawn from.
+/// The distributions that draws come from.
 pub(super) struct DrawSource<'a> {
     pub belief: &'a Belief,
     pub people: People<'a>,

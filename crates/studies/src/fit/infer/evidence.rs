@@ -1,4 +1,4 @@
-//! What a participant's answers and switches say: likelihoods, and the exact posterior from them.
+//! The evidence of a participant's answers and switches: likelihoods, and the exact posterior from them.
 
 use super::inputs::{Settings, Walk};
 use crate::fit::set::{Set, hull, intersection};
@@ -8,9 +8,7 @@ use cocarry::episode::Sighting;
 use cocarry::error::Place;
 use cocarry::learning::{MAX_TASKS, Tolerance, likelihoods_of_sighting};
 use cocarry::math;
-use cocarry::preference::{
-    Belief, ChoiceDistribution, Posterior, PreferenceError, Prospect, Ways, with_lapses,
-};
+use cocarry::preference::{Belief, ChoiceDistribution, Posterior, Prospect, Ways, with_lapses};
 
 /// The likelihood of an answer if the human prefers each option: one choice, distributed as the participant
 /// says.
@@ -46,7 +44,7 @@ pub(super) struct Perceived {
 }
 
 impl Perceived {
-    pub fn new(belief: &Belief, risk_weight: f64) -> Result<Self, PreferenceError> {
+    pub fn new(belief: &Belief, risk_weight: f64) -> Result<Self, Error> {
         Ok(Self {
             posterior: Posterior::new(belief.clone(), risk_weight)?,
             log_evidence: 0.0,

@@ -1,4 +1,4 @@
-//! What an inference is given: settings, the belief, and what participants did besides answering.
+//! The inputs of an inference: settings, the belief, and the participants' actions besides answers.
 
 use crate::fit::Switch;
 use cocarry::episode::Sighting;
@@ -47,7 +47,7 @@ pub struct Switches<'a> {
     pub switches: &'a [Switch],
 }
 
-/// What was seen of a participant in one episode.
+/// The observations of a participant in one episode.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Walk {
     /// The recording.

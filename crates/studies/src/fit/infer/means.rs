@@ -1,4 +1,4 @@
-//! What mean answers of many people say of their population, where the answers of each are not known.
+//! Inference of a population from mean answers of many people, where the answers of each are not known.
 //!
 //! The percentages are taken as numbers of choices: as many people as there are, each choosing one option.
 
@@ -13,7 +13,7 @@ use cocarry::math;
 use cocarry::preference::{Belief, Marginal, Ways, with_lapses};
 use serde::Serialize;
 
-/// What mean answers say.
+/// The population inferred from mean answers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Means {
     /// The population of alpha and gamma.

@@ -1,4 +1,4 @@
-//! What participants' answers and switches say of alpha, gamma and eta: the exact posterior of every
+//! Inference of alpha, gamma and eta from participants' answers and switches: the exact posterior of every
 //! participant, a population, and how well answers are predicted.
 //!
 //! The model and its assumptions are in the book, `book/src/participants.md`.
@@ -28,7 +28,7 @@ use population::Grid;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What is known of one participant.
+/// The posterior of one participant.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Person {
     /// The participant.
@@ -55,7 +55,7 @@ pub struct Person {
     pub eta: Option<Figure>,
 }
 
-/// What was inferred.
+/// The result of an inference.
 #[derive(Clone, Debug)]
 pub struct Inference {
     /// The participants, in the order of the files.

@@ -5,8 +5,9 @@
 //! of distribution functions. The integral over gamma is a sum over narrow rows. The integral over the
 //! population's four parameters is a sum over all nodes.
 
+use cocarry::Error;
 use cocarry::math;
-use cocarry::preference::{Marginal, PreferenceError};
+use cocarry::preference::Marginal;
 use serde::Serialize;
 
 /// Nodes of the mean of a normal, at the middles of equal parts of the range.
@@ -30,7 +31,7 @@ pub(super) struct Axis {
 }
 
 impl Axis {
-    fn new([low, high]: [f64; 2]) -> Result<Self, PreferenceError> {
+    fn new([low, high]: [f64; 2]) -> Result<Self, Error> {
         let width = high - low;
         let [least, most] = SPREAD_RANGE;
         let mut axis = Self { normals: Vec::new(), people: Vec::new() };
@@ -52,7 +53,7 @@ impl Axis {
     }
 }
 
-/// The step functions of alpha on every row of gamma: what somebody's answers say of them.
+/// The step functions of alpha on every row of gamma: from one participant's answers.
 #[derive(Clone, Debug)]
 pub(super) struct Steps(pub Vec<Vec<(f64, f64)>>);
 
@@ -67,7 +68,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    pub fn new(ranges: [[f64; 2]; 2]) -> Result<Self, PreferenceError> {
+    pub fn new(ranges: [[f64; 2]; 2]) -> Result<Self, Error> {
         let [alpha, gamma] = [Axis::new(ranges[0])?, Axis::new(ranges[1])?];
         let mut grid = Self { alpha, gamma, gammas: ranges[1], rows: Vec::new() };
         grid.rows = grid.gamma.normals.iter().map(|normal| grid.row_masses(normal)).collect();
@@ -138,7 +139,7 @@ pub(super) fn along(steps: &[(f64, f64)], alpha: &Marginal) -> f64 {
     steps.iter().map(|(from, step)| step * (1.0 - alpha.cdf(*from))).sum::<f64>().max(0.0)
 }
 
-/// What is known of a quantity.
+/// The posterior of a quantity: moments and intervals.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Figure {
     /// Median.
@@ -156,7 +157,7 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// Of a distribution with this mean and standard deviation. `quantile` is the value up to which there is a
+    /// The figure of a distribution with this mean and standard deviation. `quantile` is the value up to which there is a
     /// probability.
     pub(super) fn new([mean, std]: [f64; 2], quantile: impl Fn(f64) -> f64) -> Self {
         Self {
@@ -169,7 +170,7 @@ impl Figure {
         }
     }
 
-    /// Of values with weights that sum to 1.
+    /// The figure of values with weights that sum to 1.
     pub(super) fn of(mut values: Vec<(f64, f64)>) -> Self {
         let mean: f64 = values.iter().map(|(value, weight)| value * weight).sum();
         let variance: f64 = values.iter().map(|(value, weight)| math::squared(value - mean) * weight).sum();
@@ -188,9 +189,9 @@ impl Figure {
 /// The posterior of a population.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Population {
-    /// What is known of each of [`QUANTITIES`].
+    /// The posterior of each of [`QUANTITIES`].
     pub posterior: [Figure; 4],
-    /// What was known of them before.
+    /// The prior of each of them.
     pub prior: [Figure; 4],
     /// Relative entropy of the posterior of all four parameters to their prior, nats.
     pub information: f64,

@@ -176,7 +176,7 @@ fn draws_have_the_moments_of_the_posterior() {
 }
 
 /// A population held to the belief's uniform by few answers changes little; answers of one sort of people
-/// change what is known of somebody who did not answer much.
+/// change the posterior of somebody who did not answer much.
 #[test]
 fn a_participant_with_few_answers_leans_on_the_others() {
     let humans = vec![Perception { alpha: 0.58, gamma: 0.6 }; 12];

@@ -1,9 +1,10 @@
 //! How a team with bodies carries in all built-in worlds: arrivals, errors, grips and forces.
 
 use crate::paper::arrivals::{ArrivalRow, Study};
-use crate::paper::part::{Block, Finding, Part, Plan, ReportError, Section, grouped, holds, none};
+use crate::paper::part::{Block, Finding, Part, Plan, Section, grouped, holds, none};
 use crate::parallel::OnDone;
 use crate::table::{Cell, Columns, Table};
+use cocarry::Error;
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 
 /// The study of arrivals.
@@ -20,7 +21,7 @@ fn with_study<T>(plan: &Plan, work: impl FnOnce(&Study) -> T) -> T {
     work(&Study { plant, settings: &plan.settings, seeds: plan.seeds, seed: plan.seed })
 }
 
-fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
+fn run(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let rows = with_study(plan, |study| study.table(on_done))?;
     let text = "Robot, object and human with bodies, in the four environments and the workshop. A contact with an obstacle ends an episode.";
     Ok(Section {

@@ -1,9 +1,10 @@
 //! Contacts with the sides of an opening, by the paper's risk S.
 
 use crate::paper::contacts::{ANGLES, ContactRow, RISKS, Study};
-use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, none};
+use crate::paper::part::{Block, Figure, Finding, Part, Plan, Section, none};
 use crate::parallel::OnDone;
 use crate::table::{Cell, Columns, Table};
+use cocarry::Error;
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 use cocarry_output::drawing::{Curve, CurvePanel, curves};
 
@@ -16,7 +17,7 @@ pub(crate) const PART: Part = Part {
     run,
 };
 
-fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
+fn run(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(plan.robot));
     let study = Study { plant: &plant, settings: &plan.settings, walks: plan.walks, seed: plan.seed };
     let rows = study.table(on_done)?;

@@ -103,7 +103,7 @@ struct Trial {
     has_lost_object: bool,
     /// The body that touched an obstacle, if any.
     touched_by: Option<BodyKind>,
-    /// What is kept if it did not arrive.
+    /// The run, kept if it did not arrive.
     lost: Option<Lost>,
 }
 

@@ -1,10 +1,11 @@
 //! "No locked cycles" (Sec. IV-B): the search for a counterexample.
 
 use crate::paper::cycles::{Cause, Findings, SOON_STEPS, Search};
-use crate::paper::part::{Block, Finding, Part, Plan, ReportError, Section, grouped, holds, none};
+use crate::paper::part::{Block, Finding, Part, Plan, Section, grouped, holds, none};
 use crate::paper::placed::Placed;
 use crate::parallel::OnDone;
 use crate::table::{Columns, Table};
+use cocarry::Error;
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 
 /// The search.
@@ -29,7 +30,7 @@ pub(crate) const WITH_BODIES: Part = Part {
     run: run_with_bodies,
 };
 
-fn run_with_bodies(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
+fn run_with_bodies(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(plan.robot));
     let (settings, worlds, seed) = (&plan.settings, plan.worlds_with_bodies, plan.seed);
     let search = Search { plant: &plant, settings, worlds, seed, placed: Placed::AsDrawn };
@@ -76,7 +77,7 @@ fn finding_with_bodies(findings: &Findings) -> Finding {
     }
 }
 
-fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
+fn run(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let (settings, worlds, seed) = (&plan.settings, plan.worlds, plan.seed);
     let search = Search { plant: &Plant::Point, settings, worlds, seed, placed: Placed::AsDrawn };
     let findings = search.run(on_done)?;
@@ -93,7 +94,7 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     })
 }
 
-fn run_with_robot(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
+fn run_with_robot(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let plant = Plant::new(PlantKind::Kinematic, RobotSetup::new(plan.robot));
     let (settings, worlds, seed) = (&plan.settings, plan.worlds_with_robot, plan.seed);
     let findings = Search { plant: &plant, settings, worlds, seed, placed: Placed::AsDrawn }.run(on_done)?;

@@ -2,8 +2,9 @@
 
 use crate::paper::ENVIRONMENTS;
 use crate::paper::h1::{self, ChoiceRow, Fit};
-use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds, none};
+use crate::paper::part::{Block, Figure, Finding, Part, Plan, Section, holds, none};
 use crate::table::{Columns, Table};
+use cocarry::Error;
 use cocarry::episode::prospects;
 use cocarry::options::OptionSet;
 use cocarry::preference::{ChoiceDistribution, Predictor, Regions, perceived_distance, perceived_risk};
@@ -59,7 +60,7 @@ fn fits_table(fits: &[Fit]) -> Table {
         )
 }
 
-fn run(plan: &Plan, _: crate::parallel::OnDone) -> Result<Section, ReportError> {
+fn run(plan: &Plan, _: crate::parallel::OnDone) -> Result<Section, Error> {
     let predictor = &plan.settings.predictor;
     let rows = h1::table(predictor)?;
     let fits = h1::fits(&rows);
@@ -126,7 +127,7 @@ fn choice(predictor: &Predictor, set: &OptionSet) -> ChoiceDistribution {
     choice
 }
 
-fn panels(predictor: &Predictor) -> Result<Vec<RegionPanel>, ReportError> {
+fn panels(predictor: &Predictor) -> Result<Vec<RegionPanel>, Error> {
     let [alpha, gamma] = predictor.belief().ranges();
     let mut panels = Vec::new();
     for environment in &ENVIRONMENTS {

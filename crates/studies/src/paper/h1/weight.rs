@@ -5,12 +5,13 @@ use crate::fit::{
     Answers, CELL_ERROR, Estimate, RiskWeightFit, RiskWeightSettings, Situation, fit_risk_weight,
 };
 use crate::paper::ENVIRONMENTS;
-use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, none};
+use crate::paper::part::{Block, Figure, Finding, Part, Plan, Section, none};
 use crate::parallel::OnDone;
 use crate::table::{Columns, Table};
+use cocarry::Error;
 use cocarry::options::OptionSet;
 use cocarry::preference::RISK_WEIGHT;
-use cocarry_output::drawing::{self, AnswerPanel, AnswerRow, DrawingError, RiskWeightMark};
+use cocarry_output::drawing::{self, AnswerPanel, AnswerRow, RiskWeightMark};
 
 /// The fit of c_r.
 pub(crate) const PART: Part =
@@ -20,7 +21,7 @@ pub(crate) const PART: Part =
 ///
 /// # Errors
 /// If a percentage or a c_r cannot be drawn.
-pub fn answers_picture(fit: &RiskWeightFit) -> Result<String, DrawingError> {
+pub fn answers_picture(fit: &RiskWeightFit) -> Result<String, Error> {
     let panels: Vec<AnswerPanel> = fit
         .rows
         .chunk_by(|a, b| a.world == b.world)
@@ -44,7 +45,7 @@ pub fn answers_picture(fit: &RiskWeightFit) -> Result<String, DrawingError> {
     drawing::answers(&panels, &fit.curve, &marks, &fit.caution())
 }
 
-fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
+fn run(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let predictor = &plan.settings.predictor;
     let mut situations = Vec::new();
     let mut shares = Vec::new();

@@ -4,10 +4,11 @@ use super::section::{DIFFERENCE_AXIS, method};
 use crate::paper::ENVIRONMENTS;
 use crate::paper::h2::{self, BodiesRow, WithBodies};
 use crate::paper::pairs::{SIGNIFICANCE_LEVEL, compared, explained, is_significant};
-use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds, none};
+use crate::paper::part::{Block, Figure, Finding, Part, Plan, Section, holds, none};
 use crate::parallel::OnDone;
 use crate::statistics::Estimate;
 use crate::table::{Cell, Columns, Table};
+use cocarry::Error;
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 use cocarry_output::drawing::{DifferencePanel, DifferenceRow, differences};
 
@@ -71,7 +72,7 @@ pub fn table_2_with_bodies(rows: &[BodiesRow], humans: usize, sway: f64) -> Tabl
     }
 }
 
-fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
+fn run(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(plan.robot));
     let study = WithBodies { plant: &plant, settings: &plan.settings, humans: plan.humans, seed: plan.seed };
     // a human's episode as a point and the one with bodies finish together

@@ -2,15 +2,16 @@
 
 use crate::paper::h2::{self, CostRow, ExampleRun};
 use crate::paper::pairs::{SIGNIFICANCE_LEVEL, compared, difference, explained, is_significant, rounded};
-use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, holds, none};
+use crate::paper::part::{Block, Figure, Finding, Part, Plan, Section, holds, none};
 use crate::paper::{ENVIRONMENTS, EXAMPLE_HUMAN, Environment};
 use crate::parallel::OnDone;
 use crate::statistics::{Estimate, Paired};
 use crate::table::{Cell, Columns, Table};
+use cocarry::Error;
 use cocarry::policy::Method;
 use cocarry::world::World;
 use cocarry_output::drawing::{
-    Curve, CurvePanel, DifferencePanel, DifferenceRow, DrawingError, Track, adaptation, curves, differences,
+    Curve, CurvePanel, DifferencePanel, DifferenceRow, Track, adaptation, curves, differences,
 };
 
 /// Table II.
@@ -100,7 +101,7 @@ pub fn example_table(runs: &[ExampleRun]) -> Table {
 ///
 /// # Errors
 /// If the period is not a positive time.
-pub fn example_picture(world: &World, runs: &[ExampleRun], period: f64) -> Result<String, DrawingError> {
+pub fn example_picture(world: &World, runs: &[ExampleRun], period: f64) -> Result<String, Error> {
     let tracks = runs.iter().map(|run| Track::new(label(run), &run.ticks, Some(world.target)));
     adaptation(world, &tracks.collect::<Vec<_>>(), period)
 }
@@ -109,7 +110,7 @@ fn label(run: &ExampleRun) -> String {
     run.eta.map_or("without model".to_owned(), |eta| format!("\u{3b7} = {eta}"))
 }
 
-fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
+fn run(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let settings = &plan.settings;
     let rows = h2::table(settings, plan.seed, on_done)?;
     let mut blocks = vec![

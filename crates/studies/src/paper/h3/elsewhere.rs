@@ -3,9 +3,10 @@
 
 use super::section::{Compared, finding, table_3, table_3_ratios};
 use crate::paper::h3::{self, PoseMethod, Study};
-use crate::paper::part::{Block, Finding, Part, Plan, ReportError, Section, none};
+use crate::paper::part::{Block, Finding, Part, Plan, Section, none};
 use crate::parallel::OnDone;
 use crate::table::{Columns, Table};
+use cocarry::Error;
 use cocarry::control;
 use cocarry::episode::Settings;
 use cocarry::robot::{Robot, RobotTexts};
@@ -44,7 +45,7 @@ pub(crate) const CHOICES: Part = Part {
 const WITH_AND_WITHOUT: [PoseMethod; 3] =
     [PoseMethod::WithoutPo, PoseMethod::WithPo, PoseMethod::UniformWeights];
 
-fn run_with_bodies(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
+fn run_with_bodies(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(plan.robot));
     let text =
         "As H3, with bodies, forces and contacts: the base follows the path, and the robot avoids obstacles.";
@@ -54,7 +55,7 @@ fn run_with_bodies(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError>
     section(plan, (plan.robot, &plant), (methods, plan.episodes_with_bodies), names, text, on_done)
 }
 
-fn run_omnidirectional(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
+fn run_omnidirectional(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let mut texts = RobotTexts::default();
     texts.file = "omni-carrier.toml".to_owned();
     texts.text = include_str!("../../../../../assets/robots/omni-carrier.toml").to_owned();
@@ -78,7 +79,7 @@ fn section(
     (title, claim, prefix): (&str, &'static str, &str),
     text: &str,
     on_done: OnDone,
-) -> Result<Section, ReportError> {
+) -> Result<Section, Error> {
     let starts: Vec<&str> = robot.postures.iter().map(|p| p.name.as_str()).collect();
     let (seed, settings) = (plan.seed, &plan.settings);
     let rows = Study { plant, starts: &starts, methods, episodes, seed, settings }.table(on_done)?;
@@ -93,7 +94,7 @@ fn section(
     Ok(Section { title: title.to_owned(), finding: Finding { claim, ..finding(&compared) }, blocks })
 }
 
-/// What is set otherwise than by default: the choice, its value, and how it is set.
+/// A setting with a value other than its default: the choice, its value, and how it is set.
 struct Variant {
     choice: &'static str,
     value: &'static str,
@@ -132,7 +133,7 @@ struct Choice {
     not_arrived: usize,
 }
 
-fn run_choices(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
+fn run_choices(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let methods = &WITH_AND_WITHOUT[..2];
     let (episodes, seed) = (choice_episodes(plan), plan.seed);
     let start = plan.robot.postures[0].name.as_str();

@@ -13,13 +13,13 @@ use super::{Route, prepared, route};
 use crate::parallel::{OnDone, in_parallel};
 use crate::statistics::{self, Paired, mean_and_std};
 use cocarry::Error;
+use cocarry::control;
 use cocarry::control::{Avoid, CandidateSet, PoseCriterion};
 use cocarry::episode::{ControlSummary, Episode, Outcome, PreferenceChange, Settings};
 use cocarry::options::OptionSet;
 use cocarry::policy::Method;
 use cocarry::preference::{Belief, Perception};
 use cocarry::scenario::{Plant, PlantKind, PreferenceChanges, Scenario};
-use cocarry::{control, preference};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde::Serialize;
@@ -261,7 +261,7 @@ impl Study<'_> {
         &self,
         environment: &Environment,
         options: &OptionSet,
-    ) -> Result<Vec<Human>, preference::PreferenceError> {
+    ) -> Result<Vec<Human>, cocarry::Error> {
         let range = |[center, half]: [f64; 2]| (center - half, center + half);
         let mut humans = Vec::with_capacity(SETTINGS.len() * self.episodes);
         for (s, setting) in SETTINGS.iter().enumerate() {

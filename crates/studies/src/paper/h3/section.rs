@@ -2,12 +2,13 @@
 
 use crate::paper::h3::{self, PoseMethod, PoseRow, Study};
 use crate::paper::pairs::{SIGNIFICANCE_LEVEL, compared, explained, is_significant, rounded};
-use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, grouped, holds, none};
+use crate::paper::part::{Block, Figure, Finding, Part, Plan, Section, grouped, holds, none};
 use crate::paper::{ENVIRONMENTS, SETTINGS};
 use crate::parallel::OnDone;
 use crate::table::{Cell, Columns, Table};
+use cocarry::Error;
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
-use cocarry_output::drawing::{DrawingError, RatioPanel, RatioRow, cost_ratios};
+use cocarry_output::drawing::{RatioPanel, RatioRow, cost_ratios};
 
 /// Table III.
 pub(crate) const PART: Part = Part {
@@ -238,7 +239,7 @@ fn figures<'a>(columns: Columns<'a, &'a PoseRow>) -> Columns<'a, &'a PoseRow> {
 ///
 /// # Errors
 /// If a ratio is not a number, as where no episode arrived.
-pub fn ratio_picture(rows: &[PoseRow], starts: &[&str]) -> Result<String, DrawingError> {
+pub fn ratio_picture(rows: &[PoseRow], starts: &[&str]) -> Result<String, Error> {
     let paper = RatioRow {
         label: "paper, with PO".to_owned(),
         ratios: ENVIRONMENTS
@@ -269,7 +270,7 @@ pub fn ratio_picture(rows: &[PoseRow], starts: &[&str]) -> Result<String, Drawin
     cost_ratios(&panels)
 }
 
-fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
+fn run(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let plant = Plant::new(PlantKind::Kinematic, RobotSetup::new(plan.robot));
     let starts: Vec<&str> = plan.robot.postures.iter().map(|p| p.name.as_str()).collect();
     let (episodes, seed, settings) = (plan.episodes, plan.seed, &plan.settings);

@@ -1,4 +1,4 @@
-//! H4 with the robot's arm: the control cost when eqs. (7) and (8) use what was learned of the person. Eq.
+//! H4 with the robot's arm: the control cost when eqs. (7) and (8) use the belief about the person. Eq.
 //! (7) follows the option that is most probable, eq. (8) weighs all of them; without pose optimisation, or
 //! with equal weights, what was learned has an effect on eq. (7) only.
 

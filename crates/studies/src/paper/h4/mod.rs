@@ -43,7 +43,7 @@ pub const TASKS: usize = 2;
 pub const RANDOM_WORLDS: &str = "random worlds";
 /// The name of all groups together.
 pub const ALL_WORLDS: &str = "all";
-/// What a robot knows of the person.
+/// A robot's knowledge about the person.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RobotKind {

@@ -14,7 +14,7 @@ pub struct PersonRow {
     pub pose: Option<PoseMethod>,
     /// The world, or [`RANDOM_WORLDS`](super::RANDOM_WORLDS).
     pub world: String,
-    /// Its number among those of this name, from 0.
+    /// Its number among the worlds of this name, from 0.
     pub world_number: usize,
     /// How the person decides.
     pub humans: HumanKind,
@@ -31,7 +31,7 @@ pub struct PersonRow {
     pub gamma: f64,
     /// eta.
     pub eta: f64,
-    /// What came of it.
+    /// Its result.
     #[serde(flatten)]
     pub result: Task,
 }

@@ -6,10 +6,11 @@ use crate::paper::h4::{
     TASKS, WORLDS,
 };
 use crate::paper::pairs::{difference, is_significant, rounded};
-use crate::paper::part::{Block, Figure, Finding, Part, Plan, ReportError, Section, none};
+use crate::paper::part::{Block, Figure, Finding, Part, Plan, Section, none};
 use crate::parallel::OnDone;
 use crate::statistics::Paired;
 use crate::table::{Cell, Columns, Table};
+use cocarry::Error;
 use cocarry::policy::Method;
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 use cocarry_output::drawing::{MeanPanel, MeanRow, means};
@@ -30,7 +31,7 @@ fn with_study<T>(plan: &Plan, work: impl FnOnce(&Study) -> T) -> T {
     work(&Study { settings, plant, humans, worlds: WORLDS, tasks: TASKS, seed })
 }
 
-fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
+fn run(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let findings = with_study(plan, |study| study.run(on_done))?;
     let text = "The paper's robot keeps the prior over people for the whole task. Here, one person carries twice in a row with a robot that learns alpha, gamma \
                 and \u{3b7} from what the person does, and keeps that for the second task. It is compared with the paper's robot and with one that knows the \
@@ -52,7 +53,7 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, ReportError> {
     })
 }
 
-/// What the saving in C comes from, in figures of this run.
+/// The sources of the saving in C, in figures of this run.
 fn reason(findings: &Findings) -> String {
     let of = |pose: PoseMethod, robot: RobotKind| {
         let is_it = |row: &&ControlRow| row.world == ALL_WORLDS && row.task == TASKS && row.robot == robot;
@@ -74,7 +75,7 @@ fn reason(findings: &Findings) -> String {
 }
 
 /// Differences to the robot with the prior in the last task: regret by kind of human, control cost by world.
-fn pictures(findings: &Findings) -> Result<[Figure; 2], ReportError> {
+fn pictures(findings: &Findings) -> Result<[Figure; 2], Error> {
     let last = |task: usize| task == TASKS;
     let by_human = findings.by_human.iter().filter(|row| last(row.task));
     let regret = by_human.map(|row| (row.humans.name(), row.robot, row.regret_against_prior));
@@ -86,7 +87,7 @@ fn pictures(findings: &Findings) -> Result<[Figure; 2], ReportError> {
     let series: Vec<String> = RobotKind::ALL[1..].iter().map(|robot| robot.name().to_owned()).collect();
     let figure = |name: &str, caption: &str, panels: &[MeanPanel], axis: &str| {
         let (name, caption) = (name.to_owned(), caption.to_owned());
-        Ok::<_, ReportError>(Figure { name, caption, is_half: false, svg: means(panels, &series, axis)? })
+        Ok::<_, Error>(Figure { name, caption, is_half: false, svg: means(panels, &series, axis)? })
     };
     Ok([
         figure(

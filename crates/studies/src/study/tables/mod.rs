@@ -66,7 +66,7 @@ pub(super) fn write(lines: impl Read, out: impl Write + Send, origin: &Origin) -
     written(lines, out, origin).map_err(system_error)
 }
 
-/// What the system said, where a file cannot be written.
+/// The system's error, where a file cannot be written.
 fn system_error(error: ParquetError) -> io::Error {
     match error {
         ParquetError::External(source) => match source.downcast() {

@@ -11,10 +11,9 @@ use crate::columns::Columns;
 use crate::study::{Origin, Study, SweepError, row};
 use arrow_array::RecordBatch;
 use arrow_schema::{ArrowError, SchemaRef};
-use cocarry::quantities::{Heading, TICK, View};
+use cocarry::quantities::{Heading, TICK, Value, View};
 use cocarry_output::output_file::{OutputError, OutputFile};
 use parquet::arrow::ArrowWriter;
-use serde_json::Value;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fs::{File, TryLockError};
@@ -121,10 +120,10 @@ impl Ticks {
         let mut name = folder.as_os_str().to_owned();
         name.push(".partial");
         let partial = PathBuf::from(name);
-        let write = |source| OutputError::Write { file: partial.clone(), source };
+        let write = |source| OutputError::write(&partial, source);
         if is_folder(folder)? {
             if !overwrite {
-                return Err(OutputError::Exists { file: folder.to_owned() }.into());
+                return Err(OutputError::exists(folder).into());
             }
             // nothing but ticks is ever replaced
             files(folder)?;
@@ -140,7 +139,7 @@ impl Ticks {
             .map_err(write)?;
         match lock.try_lock() {
             Ok(()) => {}
-            Err(TryLockError::WouldBlock) => return Err(OutputError::Busy { file: partial }.into()),
+            Err(TryLockError::WouldBlock) => return Err(OutputError::busy(&partial).into()),
             Err(TryLockError::Error(source)) => return Err(write(source).into()),
         }
         let mut ticks = Self {
@@ -217,7 +216,7 @@ impl Ticks {
         episode == self.episodes.end || self.file_of(episode).start == episode
     }
 
-    /// What runs episodes.
+    /// The layout, which runs episodes.
     pub fn layout(&self) -> Layout {
         self.layout.clone()
     }
@@ -235,7 +234,7 @@ impl Ticks {
     pub fn add(&mut self, episode: u64, batch: Batch) -> Result<(), SweepError> {
         let range = self.file_of(episode);
         let path = self.partial.join(name(&range));
-        let write = |error| OutputError::Write { file: path.clone(), source: system_error(error) };
+        let write = |error| OutputError::write(&path, system_error(error));
         let mut file = match self.file.take() {
             Some(file) => file,
             None => {
@@ -257,11 +256,10 @@ impl Ticks {
     /// # Errors
     /// [`SweepError`], also if the name is taken meanwhile.
     pub fn finish(self) -> Result<(), SweepError> {
-        let rename =
-            |source| OutputError::Rename { partial: self.partial.clone(), file: self.folder.clone(), source };
+        let rename = |source| OutputError::rename(&self.partial, &self.folder, source);
         if is_folder(&self.folder)? {
             if !self.overwrite {
-                return Err(OutputError::Exists { file: self.folder.clone() }.into());
+                return Err(OutputError::exists(&self.folder).into());
             }
             for path in files(&self.folder)?.values() {
                 remove(path)?;
@@ -297,7 +295,7 @@ fn file_name(path: &Path) -> String {
 }
 
 fn remove(path: &Path) -> Result<(), OutputError> {
-    std::fs::remove_file(path).map_err(|source| OutputError::Write { file: path.to_owned(), source })
+    std::fs::remove_file(path).map_err(|source| OutputError::write(path, source))
 }
 
 /// Whether there is a folder of that name; an error if the name is that of something else.
@@ -306,16 +304,16 @@ fn is_folder(path: &Path) -> Result<bool, OutputError> {
         Ok(found) if found.is_dir() => Ok(true),
         Ok(found) => {
             let kind = if found.is_symlink() { "symbolic link" } else { "file" };
-            Err(OutputError::NotAFolder { file: path.to_owned(), kind })
+            Err(OutputError::not_a_folder(path, kind))
         }
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(false),
-        Err(source) => Err(OutputError::Write { file: path.to_owned(), source }),
+        Err(source) => Err(OutputError::write(path, source)),
     }
 }
 
 /// The files of ticks in a folder, by name. Unfinished ones are removed.
 fn files(folder: &Path) -> Result<BTreeMap<String, PathBuf>, SweepError> {
-    let read = |source: Error| OutputError::Write { file: folder.to_owned(), source };
+    let read = |source: Error| OutputError::write(folder, source);
     let mut found = BTreeMap::new();
     for entry in std::fs::read_dir(folder).map_err(read)? {
         let path = entry.map_err(read)?.path();
