@@ -26,12 +26,12 @@ impl Saved {
     /// The bytes of a state. Empty for a type that cannot be written as CBOR; [`Saved::read`] then refuses
     /// it.
     pub fn of<T: Serialize>(state: &T) -> Self {
-        cbor4ii::serde::to_vec(Vec::new(), state).map_or_else(|_| Self::default(), Self)
+        minicbor_serde::to_vec(state).map_or_else(|_| Self::default(), Self)
     }
 
     /// The state read back. The error calls it `part`.
     pub fn read<T: DeserializeOwned>(&self, part: &'static str) -> Result<T, RestoreError> {
-        cbor4ii::serde::from_slice(&self.0).map_err(|_| RestoreError { part })
+        minicbor_serde::from_slice(&self.0).map_err(|_| RestoreError { part })
     }
 
     /// A check that nothing was saved, for parts without memory.

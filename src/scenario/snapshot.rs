@@ -12,9 +12,7 @@ use crate::arithmetic;
 use crate::episode::{Episode, State};
 use crate::error::{Error, Place};
 use crate::located;
-use cbor4ii::serde::DecodeError;
 use serde::{Deserialize, Serialize};
-use std::convert::Infallible;
 use std::io::Read;
 use std::path::Path;
 
@@ -65,7 +63,7 @@ impl Snapshot {
     /// # Errors
     /// The snapshot cannot be encoded: never for an episode that runs.
     pub fn bytes(&self) -> Result<Vec<u8>, Error> {
-        let mut contents = cbor4ii::serde::to_vec(Vec::new(), self)
+        let mut contents = minicbor_serde::to_vec(self)
             .map_err(|error| Error::new("the snapshot cannot be encoded").because(error))?;
         let version = env!("CARGO_PKG_VERSION").as_bytes();
         let length = contents.len() as u64;
@@ -123,21 +121,13 @@ impl Snapshot {
         if crc32fast::hash(&bytes[..fields.at]) != u32::from_le_bytes(fields.array()?) {
             return Err(refused("a damaged snapshot: its checksum does not match its contents".to_owned()));
         }
-        match cbor4ii::serde::from_slice::<Self>(contents) {
+        match minicbor_serde::from_slice::<Self>(contents) {
             Ok(snapshot) => Ok(Self { written_by, ..snapshot }),
             Err(fault) => {
                 let error = refused(format!("not a valid snapshot, written by cocarry {written_by}"));
-                Err(error.because(fault_of(fault)))
+                Err(error.because(fault))
             }
         }
-    }
-}
-
-/// A fault in the contents of a snapshot.
-fn fault_of(fault: DecodeError<Infallible>) -> String {
-    match fault {
-        DecodeError::Custom(sentence) => sentence.into(),
-        DecodeError::Core(_) => "its CBOR is cut or has values of other types".to_owned(),
     }
 }
 

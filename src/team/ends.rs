@@ -24,6 +24,8 @@ const FACINGS_RAD: [f64; 7] = [0.0, 0.4, -0.4, 0.8, -0.8, 1.2, -1.2];
 const SEARCH_M: f64 = 3.0;
 const RING_M: f64 = 0.1;
 const PLACES: u32 = 24;
+/// The accuracy of the room that is said to be missing, m.
+const MISSING_STEP_M: f64 = 0.01;
 
 /// The length of the beginning and of the end of a path, m, on which the object should not turn too much for
 /// the arm.
@@ -59,7 +61,7 @@ impl<'a> InTandem<'a> {
         pace: Pace,
     ) -> Result<(Self, PlanarPose), Error> {
         let Surroundings { world, options, obstacles, base } = surroundings;
-        let free_space = FreeSpace { obstacles, options };
+        let free_space = FreeSpace::new(obstacles, options);
         let is_free = |from, to| free_space.is_free(from, to);
         let in_line = Self::new(free_space, pace, TeamPath::starting(world, first, is_free), true);
         let ahead = in_line.goal();
@@ -72,7 +74,7 @@ impl<'a> InTandem<'a> {
                 Err(_) => {}
             }
         }
-        let turned = |turn: f64, first: &Path, at: Point, is_gentle: bool| {
+        let turned = |free_space: FreeSpace<'a>, turn: f64, first: &Path, at: Point, is_gentle: bool| {
             let pose = PlanarPose { position: at, yaw: wrap_angle(ahead.yaw + turn) };
             if turn.abs() <= BENT_RAD {
                 // the human on the path, the robot on a way that bends at A
@@ -88,25 +90,27 @@ impl<'a> InTandem<'a> {
             let team = Self::new(free_space, pace, (TeamPath::new(world, &pose), pose), false);
             team.check_start(world, base(&pose), first, is_gentle).map(|()| (team, pose))
         };
-        let any = |first: &Path, at: Point, tries: &[bool]| match given {
-            Some(turn) => turned(turn, first, at, false),
+        let any = |free_space: FreeSpace<'a>, first: &Path, at: Point, tries: &[bool]| match given {
+            Some(turn) => turned(free_space, turn, first, at, false),
             None => {
                 // rather from farther round than in a turn that is too sharp for the arm
                 let mut turns = tries.iter().flat_map(|gentle| turns().map(move |by| (by, *gentle)));
                 let mut refusal = NoRoom { distance: f64::NEG_INFINITY, ..NoRoom::default() };
-                let found = turns.find_map(|(turn, is_gentle)| match turned(turn, first, at, is_gentle) {
-                    Ok(team) => Some(team),
-                    Err(room) => {
-                        if room.distance > refusal.distance {
-                            refusal = room;
+                let found = turns.find_map(|(turn, is_gentle)| {
+                    match turned(free_space, turn, first, at, is_gentle) {
+                        Ok(team) => Some(team),
+                        Err(room) => {
+                            if room.distance > refusal.distance {
+                                refusal = room;
+                            }
+                            None
                         }
-                        None
                     }
                 });
                 found.ok_or(refusal)
             }
         };
-        let found = any(first, ahead.position, &[true, false]);
+        let found = any(free_space, first, ahead.position, &[true, false]);
         if found.is_err()
             && given.is_none()
             && check(world, BODY_ROOM_M, [ahead.position, base(&ahead)]).is_ok()
@@ -121,9 +125,14 @@ impl<'a> InTandem<'a> {
                     && !options.goes_through_opening(ahead.position, place);
                 let path = (0..options.options().len())
                     .find_map(|o| options.path_passing(&progress, o, Self::PASSING));
-                has_room_aside && path.is_some_and(|path| any(&path, place, &[false]).is_ok())
+                has_room_aside && path.is_some_and(|path| any(free_space, &path, place, &[false]).is_ok())
             });
-            room.at_start(world, nearest)
+            let can_turn = |missing: &f64| {
+                let narrower = FreeSpace { room: BODY_ROOM_M - missing, ..free_space };
+                any(narrower, first, ahead.position, &[false]).is_ok()
+            };
+            let to_turn = if room.is_for_turn() { less_room().find(can_turn) } else { None };
+            NoRoom { to_turn, ..room }.at_start(world, nearest)
         })
     }
 
@@ -246,17 +255,29 @@ struct NoRoom {
     needed: f64,
     /// How far from `start_m` or `target_m` an obstacle may be in the way, m.
     length: f64,
+    /// By how much less room on either side would do to turn onto the path, m; unknown where even none does.
+    to_turn: Option<f64>,
 }
 
 impl NoRoom {
+    /// Whether the team fits, and cannot turn.
+    fn is_for_turn(&self) -> bool {
+        self.distance >= self.needed
+    }
+
     /// The room that is missing at the start, and where to start instead.
     fn at_start(&self, world: &World, nearest: Option<Point>) -> Error {
-        let Self { x, y, distance, obstacle, needed, length } = self;
-        let fault = match needed - distance {
-            missing if missing > 0.0 => format!(
+        let Self { x, y, distance, obstacle, needed, length, to_turn } = self;
+        let fault = match (needed - distance, to_turn) {
+            (missing, _) if missing > 0.0 => format!(
                 "the robot comes from ({x:.3}, {y:.3}) and passes within {distance:.3} m of obstacle `{obstacle}`; leave {needed} m on either side, up to {length:.2} m behind start_m ({missing:.3} m are missing)"
             ),
-            _ => format!("the team fits, but cannot turn onto its path: obstacle `{obstacle}` is too near"),
+            (_, Some(missing)) => format!(
+                "the team fits, but cannot turn onto its path: obstacle `{obstacle}` is too near ({missing:.2} m are missing on either side)"
+            ),
+            (_, None) => {
+                format!("the team fits, but cannot turn onto its path: obstacle `{obstacle}` is too near")
+            }
         };
         let instead = nearest
             .map_or(String::new(), |p| format!("; the nearest start with room is ({:.2}, {:.2})", p.x, p.y));
@@ -265,7 +286,7 @@ impl NoRoom {
 
     /// The room that is missing at the end of an option.
     fn at_target(&self, world: &World, option: &str) -> Error {
-        let Self { x, y, distance, obstacle, needed, length } = self;
+        let Self { x, y, distance, obstacle, needed, length, to_turn: _ } = self;
         refused(
             world,
             format_args!(
@@ -285,6 +306,12 @@ fn turns() -> impl Iterator<Item = f64> {
     (1..=HEADINGS / 2)
         .flat_map(move |i| [step * f64::from(i), -step * f64::from(i)])
         .take(HEADINGS as usize - 1)
+}
+
+/// By how much less room a turn is tried to name what is missing, m.
+fn less_room() -> impl Iterator<Item = f64> {
+    let steps = (BODY_ROOM_M / MISSING_STEP_M) as u32;
+    (1..=steps).map(|i| MISSING_STEP_M * f64::from(i))
 }
 
 /// Places around a point, the nearest first.
@@ -313,5 +340,6 @@ fn nearest(world: &World, needed: f64, ends: [Point; 2]) -> NoRoom {
         distance: nearest.map_or(f64::INFINITY, |(distance, _)| distance),
         needed,
         length: (ends[1] - ends[0]).norm() + needed,
+        to_turn: None,
     }
 }

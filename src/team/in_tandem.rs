@@ -3,12 +3,12 @@
 use super::pace::share;
 use super::team_path::{FreeSpace, SHARPEST_BEND_RAD, TeamPath, Turned};
 use super::{ARRIVAL_TOLERANCE_M, Pace, PathAhead, Place, Step, Travel, Walk, Widened};
-use crate::control::{Follower, HORIZON, Intent, Reference, RobotObstacles, reference};
+use crate::control::{Follower, HORIZON, Intent, Reference, reference};
 use crate::coordination::Mode;
 use crate::geometry::{Path, PlanarPose, Point, Pose, Widening, angle_of, direction, nearest, wrap_angle};
 use crate::human::Stance;
 use crate::math;
-use crate::options::{OptionSet, Passing};
+use crate::options::Passing;
 use crate::plant::{HumanMotion, Seen, on_floor};
 use crate::saved::{RestoreError, Saved};
 use crate::simulation::Observation;
@@ -38,8 +38,7 @@ const MAX_BEND_RAD: f64 = 0.5;
 /// Human, object and robot, one behind the other.
 #[derive(Clone, Debug)]
 pub struct InTandem<'a> {
-    obstacles: &'a RobotObstacles,
-    options: &'a OptionSet,
+    free_space: FreeSpace<'a>,
     pace: Pace,
     /// Whether the team stands in line with its first path. Otherwise it begins with a turn.
     faces_path: bool,
@@ -68,13 +67,12 @@ impl<'a> InTandem<'a> {
         (team_path, goal): (TeamPath, PlanarPose),
         faces_path: bool,
     ) -> Self {
-        let FreeSpace { obstacles, options } = free_space;
         let state = State { team_path, path_position: 0.0, path_speed: 0.0, goal };
-        Self { obstacles, options, pace, faces_path, state }
+        Self { free_space, pace, faces_path, state }
     }
 
     pub(super) fn free_space(&self) -> FreeSpace<'a> {
-        FreeSpace { obstacles: self.obstacles, options: self.options }
+        self.free_space
     }
 
     /// A path as the team walks it, wide round corners.

@@ -281,7 +281,7 @@ mod tests {
         let (world, path) = round_a_pillar(turn);
         let (options, obstacles) = (OptionSet::new(&world, 10.0).unwrap(), RobotObstacles::new(&world));
         let tandem = Tandem::new(1.2, Point::new(-4.0, 0.0), 0.0);
-        let free_space = FreeSpace { obstacles: &obstacles, options: &options };
+        let free_space = FreeSpace::new(&obstacles, &options);
         let room = ObjectRoom::new(&tandem, width / 2.0, free_space);
         let shifted = room.on(path.clone(), 1.0);
         let missing = [&path, &shifted].map(|path| room.missing(path, 1.0));
@@ -318,7 +318,7 @@ mod tests {
         let (world, _) = round_a_pillar(0.0);
         let (options, obstacles) = (OptionSet::new(&world, 10.0).unwrap(), RobotObstacles::new(&world));
         let tandem = Tandem::new(1.2, Point::new(-8.0, 5.0), 0.0);
-        let room = ObjectRoom::new(&tandem, 0.05, FreeSpace { obstacles: &obstacles, options: &options });
+        let room = ObjectRoom::new(&tandem, 0.05, FreeSpace::new(&obstacles, &options));
         let mut path = Path::default();
         path.line(Point::new(-8.0, 5.0), Point::new(-4.0, 5.0));
         path.line(Point::new(-4.0, 5.0), Point::new(-4.0, 5.0) + direction(2.2) * 4.0);

@@ -54,17 +54,23 @@ pub(super) struct TeamPath {
 }
 
 /// The free space of the team.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct FreeSpace<'g> {
     pub obstacles: &'g RobotObstacles,
     pub options: &'g OptionSet,
+    /// Clearance of a body, m.
+    pub room: f64,
 }
 
-impl FreeSpace<'_> {
+impl<'g> FreeSpace<'g> {
+    pub fn new(obstacles: &'g RobotObstacles, options: &'g OptionSet) -> Self {
+        Self { obstacles, options, room: BODY_ROOM_M }
+    }
+
     /// Whether a body has room at the end of a step and the step crosses no opening. Only the options' paths
     /// cross openings.
     pub fn is_free(&self, from: Point, to: Point) -> bool {
-        self.obstacles.is_clear(to, BODY_ROOM_M) && !self.options.goes_through_opening(from, to)
+        self.obstacles.is_clear(to, self.room) && !self.options.goes_through_opening(from, to)
     }
 }
 
@@ -324,7 +330,7 @@ mod tests {
         let world = World::parse("w.toml", include_str!("../../worlds/environment-2.toml")).unwrap();
         let options = OptionSet::new(&world, 10.0).unwrap();
         let obstacles = RobotObstacles::new(&world);
-        let free_space = FreeSpace { obstacles: &obstacles, options: &options };
+        let free_space = FreeSpace::new(&obstacles, &options);
         for option in 0..options.options().len() {
             let mut progress = options.begin();
             let path = options.path(&progress, option).unwrap();

@@ -57,6 +57,12 @@ pub(in super::super) struct AllArguments {
     /// Walks with bodies through each of 9 openings from each of 3 angles [default: 30]
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     walks: Option<u64>,
+    /// Walks with bodies through each of 16 slots with each of 5 turns [default: 2]
+    #[arg(long, value_name = "WALKS", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    slot_walks: Option<u64>,
+    /// Random indoor worlds in the study of starts [default: 200]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    rooms: Option<u64>,
     /// People of each of 6 kinds in each of 6 groups of worlds, who the robot learns [default: 200]
     #[arg(long, value_parser = clap::value_parser!(u64).range(2..=1_000_000))]
     people: Option<u64>,
@@ -92,6 +98,8 @@ pub(super) fn reproduce_all(arguments: &AllArguments) -> Result<(), Failure> {
     given(&mut plan.worlds_with_robot, arguments.worlds_with_robot);
     given(&mut plan.worlds_with_bodies, arguments.worlds_with_bodies);
     given(&mut plan.walks, arguments.walks);
+    given(&mut plan.slot_walks, arguments.slot_walks);
+    given(&mut plan.rooms, arguments.rooms);
     given(&mut plan.people, arguments.people);
     given(&mut plan.fits, arguments.fits);
     plan.seed = arguments.seed;

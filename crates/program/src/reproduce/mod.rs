@@ -41,7 +41,7 @@ pub(super) enum Claim {
     Cycles(cycles::CyclesArguments),
     /// Starts: in how many random indoor worlds a team with bodies has room at A and B, and arrives
     Starts(starts::StartsArguments),
-    /// A report with tables and pictures: all claims but slots and starts, and the coverage of the fits
+    /// A report with tables and pictures: all claims, and the coverage of the fits
     All(all::AllArguments),
 }
 

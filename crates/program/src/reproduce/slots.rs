@@ -1,13 +1,13 @@
 //! `cocarry reproduce slots`: whether a team with bodies comes through slots in thick walls.
 
-use super::super::output::{Failure, examples, input, print, print_json};
+use super::super::output::{Failure, examples, input, print, print_json, table_with_notes};
 use super::super::robot::{SwayArguments, sway_of};
 use super::common::Common;
 use clap::Args;
 use cocarry::episode::Settings;
-use cocarry_studies::paper::slots::{DEPTHS, OFFSETS_M, SlotRow, Study, WALKS, WIDTHS};
+use cocarry_studies::paper::slots::{DEPTHS, OFFSETS_M, Study, WALKS, WIDTHS};
+use cocarry_studies::report::slot_table;
 use serde_json::json;
-use std::fmt::Write as _;
 
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
@@ -29,8 +29,13 @@ pub(in super::super) struct SlotsArguments {
 pub(super) fn reproduce_slots(arguments: &SlotsArguments) -> Result<(), Failure> {
     let plant = arguments.sway.plant()?;
     let settings = Settings::default();
-    let study =
-        Study { plant: &plant, settings: &settings, walks: arguments.walks as usize, seed: arguments.seed };
+    let study = Study {
+        plant: &plant,
+        settings: &settings,
+        turns: &OFFSETS_M,
+        walks: arguments.walks as usize,
+        seed: arguments.seed,
+    };
     let rows = arguments
         .common
         .with_progress(study.units(), "walks", |on_done| study.table(on_done))?
@@ -48,21 +53,6 @@ pub(super) fn reproduce_slots(arguments: &SlotsArguments) -> Result<(), Failure>
             "rows": rows,
         }));
     }
-    print(&text(&rows, sway))
-}
-
-fn text(rows: &[SlotRow], sway: f64) -> String {
-    let mut text = format!(
-        "Slots in walls of {} to {} m, led by the robot, sway {sway} m:\n",
-        DEPTHS[0],
-        DEPTHS[DEPTHS.len() - 1]
-    );
-    for row in rows {
-        let SlotRow { width, walks, arrived, touched: [robot, object, human], lost, other } = row;
-        let _ = writeln!(
-            text,
-            "  {width} m wide: {arrived} of {walks} arrive; a side is touched by the robot in {robot}, the object in {object}, the human in {human}; the object is lost in {lost}; {other} end otherwise"
-        );
-    }
-    text
+    let table = slot_table(&rows).with_note(format!("The human's hand sways by {sway} m."));
+    print(&table_with_notes(&table))
 }

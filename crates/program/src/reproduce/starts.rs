@@ -1,6 +1,8 @@
 //! `cocarry reproduce starts`: how often a team with bodies has room to start in random indoor worlds.
 
-use super::super::output::{Failure, OverwriteArguments, examples, input, print, print_json, write_file};
+use super::super::output::{
+    Failure, OverwriteArguments, examples, input, print, print_json, table_with_notes, write_file,
+};
 use super::super::robot::{SwayArguments, sway_of};
 use super::common::Common;
 use anyhow::Context;
@@ -8,6 +10,7 @@ use clap::Args;
 use cocarry::episode::Settings;
 use cocarry_output::output_file::Outputs;
 use cocarry_studies::paper::starts::{CLEAR_M, Starts, Study, WORLDS};
+use cocarry_studies::report::start_table;
 use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -73,12 +76,10 @@ pub(super) fn reproduce_starts(arguments: &StartsArguments) -> Result<(), Failur
 }
 
 fn text(starts: &Starts, sway: f64) -> String {
-    let Starts { worlds, started, arrived, touched: [robot, object, human], .. } = starts;
-    let other = starts.lost.len() - robot - object - human;
-    let mut text = format!(
-        "Random indoor worlds, {CLEAR_M} m clear round A and B, sway {sway} m: of {worlds} in which a point reaches B, a team with bodies starts in {started}.\n\
-         It arrives in {arrived}; an obstacle is touched by the robot in {robot}, the object in {object}, the human in {human}; {other} end otherwise.\n"
+    let note = format!(
+        "Random indoor worlds in which a point reaches B, {CLEAR_M} m clear round A and B; the human's hand sways by {sway} m."
     );
+    let mut text = table_with_notes(&start_table(starts).with_note(note));
     for refused in &starts.refused {
         let _ = writeln!(text, "  world {}: {}", refused.seed, refused.reason);
     }

@@ -1,6 +1,6 @@
 //! A claim's part of the report: its runs, and its section.
 
-use super::{arrivals, contacts, cycles as locked, h2, h3, h4};
+use super::{arrivals, contacts, cycles as locked, h2, h3, h4, slots, starts};
 use crate::parallel::OnDone;
 use crate::table::Table;
 use cocarry::Error;
@@ -30,6 +30,12 @@ pub struct Plan<'a> {
     pub worlds_with_bodies: usize,
     /// Number of walks through each opening from each angle.
     pub walks: usize,
+    /// Number of turns before and after a slot, the first of [`slots::OFFSETS_M`].
+    pub slot_turns: usize,
+    /// Number of walks through each slot with each turn.
+    pub slot_walks: usize,
+    /// Number of random indoor worlds in the study of starts.
+    pub rooms: usize,
     /// Number of people of each kind in each group of worlds, who the robot learns.
     pub people: usize,
     /// Number of simulated studies in each cell of the coverage of the fits.
@@ -52,6 +58,9 @@ impl<'a> Plan<'a> {
             worlds_with_robot: locked::WORLDS_WITH_ROBOT,
             worlds_with_bodies: locked::WORLDS_WITH_BODIES,
             walks: contacts::WALKS,
+            slot_turns: slots::OFFSETS_M.len(),
+            slot_walks: slots::WALKS,
+            rooms: starts::WORLDS,
             people: h4::HUMANS,
             fits: 500,
             seed: 0,
@@ -70,6 +79,9 @@ impl<'a> Plan<'a> {
             worlds_with_robot: 100,
             worlds_with_bodies: 40,
             walks: 1,
+            slot_turns: 1,
+            slot_walks: 1,
+            rooms: 4,
             people: 2,
             fits: 2,
             ..Self::new(robot)

@@ -14,8 +14,10 @@ pub use crate::paper::h2::section::{example_picture, example_table, table_2};
 pub use crate::paper::h3::section::{Compared, ratio_picture, table_3, table_3_ratios};
 pub use crate::paper::h4::section::{learning_tables, people_table};
 pub use crate::paper::part::{Block, Figure, Finding, Part, Plan, Section};
+pub use crate::paper::slots::section::slot_table;
+pub use crate::paper::starts::section::start_table;
 
-use crate::paper::{arrivals, contacts, coverage, cycles, h1, h2, h3, h4};
+use crate::paper::{arrivals, contacts, coverage, cycles, h1, h2, h3, h4, slots, starts};
 use crate::table::Table;
 
 /// The claims, in the order of the report. A report may have some of them only.
@@ -26,6 +28,8 @@ pub const PARTS: &[Part] = &[
     h2::bodies::PART,
     arrivals::section::PART,
     contacts::section::PART,
+    slots::section::PART,
+    starts::section::PART,
     cycles::section::PART,
     cycles::section::WITH_ROBOT,
     cycles::section::WITH_BODIES,

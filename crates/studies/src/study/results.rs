@@ -129,6 +129,37 @@ pub(super) struct Rows {
     number: u64,
     /// The line of the row read last, with its newline.
     pub line: Vec<u8>,
+    splitter: Splitter,
+}
+
+/// Splits lines into fields. It is made once: a reader takes longer to be made than to read a line.
+struct Splitter {
+    reader: csv_core::Reader,
+    text: Vec<u8>,
+    ends: Vec<usize>,
+}
+
+impl Splitter {
+    fn new() -> Self {
+        Self { reader: csv_core::Reader::new(), text: Vec::new(), ends: Vec::new() }
+    }
+
+    /// The fields of a line with its newline; none if it is no text.
+    fn fields(&mut self, line: &[u8]) -> csv::StringRecord {
+        self.reader.reset();
+        // unquoted, a line becomes no longer
+        self.text.resize(line.len(), 0);
+        self.ends.resize(line.len() + 1, 0);
+        let (_, _, length, count) = self.reader.read_record(line, &mut self.text, &mut self.ends);
+        let mut fields = csv::StringRecord::with_capacity(length, count);
+        let mut begin = 0;
+        for &end in &self.ends[..count] {
+            let Ok(field) = std::str::from_utf8(&self.text[begin..end]) else { return Default::default() };
+            fields.push_field(field);
+            begin = end;
+        }
+        fields
+    }
 }
 
 enum RowSource {
@@ -146,7 +177,7 @@ impl Rows {
             true => RowSource::Parquet(Box::new(tables::Reader::open(opened.into_inner(), &file)?)),
             false => RowSource::Csv(opened),
         };
-        let mut rows = Self { file, source, number: 0, line: Vec::new() };
+        let mut rows = Self { file, source, number: 0, line: Vec::new(), splitter: Splitter::new() };
         if let RowSource::Csv(_) = rows.source {
             rows.advance()?;
             check_header(&rows.line, &rows.file)?;
@@ -164,18 +195,17 @@ impl Rows {
     }
 
     /// The fields of the row read last.
-    pub fn fields(&self, columns: usize) -> Result<csv::StringRecord, SweepError> {
-        let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(&self.line[..]);
-        let mut fields = csv::StringRecord::new();
-        match reader.read_record(&mut fields) {
-            Ok(true) if fields.len() == columns => Ok(fields),
-            _ => Err(SweepError::row(
-                self.position(),
-                self.file.clone(),
-                format!("{} fields", fields.len()),
-                format!("{columns} fields of text"),
-            )),
+    pub fn fields(&mut self, columns: usize) -> Result<csv::StringRecord, SweepError> {
+        let fields = self.splitter.fields(&self.line);
+        if fields.len() == columns {
+            return Ok(fields);
         }
+        Err(SweepError::row(
+            self.position(),
+            self.file.clone(),
+            format!("{} fields", fields.len()),
+            format!("{columns} fields of text"),
+        ))
     }
 
     /// The place of the row read last.

@@ -67,6 +67,13 @@ pub const FIGURES: &[Figure] = &[
                 rows.iter().map(|row| cell(row.number("clearance_m"))).collect(),
             )
     }),
+    ("slots.arrived", |t| {
+        let [walks, arrived] = ["walks", "arrived"].map(|column| sum(&t.rows("slots", &[]), column));
+        if arrived == walks { format!("all {walks}") } else { format!("{arrived} of {walks}") }
+    }),
+    ("starts.worlds", |t| grouped(t.row("starts", &[]).number("worlds"))),
+    ("starts.started", |t| grouped(t.row("starts", &[]).number("started"))),
+    ("starts.arrived", |t| grouped(t.row("starts", &[]).number("arrived"))),
     ("arrivals.rows", arrivals),
     ("arrivals.episodes", |t| grouped(sum(&paper(t), "episodes"))),
     ("arrivals.arrived", |t| grouped(sum(&paper(t), "arrived"))),

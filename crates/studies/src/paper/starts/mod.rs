@@ -2,6 +2,7 @@
 //! Not in the paper.
 
 mod indoor;
+pub(crate) mod section;
 
 pub use indoor::{CLEAR_M, indoor_world};
 

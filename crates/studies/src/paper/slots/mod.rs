@@ -1,5 +1,7 @@
 //! Deep openings: whether a team with bodies comes through slots in thick walls, with a turn before or after.
 
+pub(crate) mod section;
+
 use super::{prepared, run};
 use crate::parallel::{OnDone, in_parallel};
 use cocarry::Error;
@@ -33,6 +35,8 @@ pub struct Study<'a> {
     pub plant: &'a Plant,
     /// The episode's settings; the method is replaced by robot-led.
     pub settings: &'a Settings,
+    /// Lateral offsets of A and B from the slot's axis, m.
+    pub turns: &'a [[f64; 2]],
     /// Walks for each slot and turn.
     pub walks: usize,
     /// Seed of the first gait of each; the others follow it.
@@ -59,7 +63,7 @@ pub struct SlotRow {
 impl Study<'_> {
     /// Units of work, for a progress bar.
     pub fn units(&self) -> usize {
-        WIDTHS.len() * DEPTHS.len() * OFFSETS_M.len() * self.walks
+        WIDTHS.len() * DEPTHS.len() * self.turns.len() * self.walks
     }
 
     /// The table, one row for each of [`WIDTHS`].
@@ -71,10 +75,10 @@ impl Study<'_> {
     }
 
     fn row(&self, width: f64, on_done: OnDone) -> Result<SlotRow, Error> {
-        let per_depth = OFFSETS_M.len() * self.walks;
+        let per_depth = self.turns.len() * self.walks;
         let walks = DEPTHS.len() * per_depth;
         let ends = in_parallel(walks, on_done, |i| {
-            let turn = OFFSETS_M[i % per_depth / self.walks];
+            let turn = self.turns[i % per_depth / self.walks];
             self.walk(&world(width, DEPTHS[i / per_depth], turn), (i % self.walks) as u64)
         });
         let mut row = SlotRow { width, walks, arrived: 0, touched: [0; 3], lost: 0, other: 0 };
