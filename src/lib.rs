@@ -98,6 +98,7 @@ pub mod coordination;
 pub mod episode;
 pub mod error;
 pub mod geometry;
+pub mod guarded;
 pub mod human;
 mod known_names;
 pub mod learning;
@@ -115,5 +116,6 @@ pub mod simulation;
 pub mod suggestion;
 pub mod team;
 pub mod world;
+pub mod xml_extent;
 
 pub use error::{Error, ErrorKind};

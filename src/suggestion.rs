@@ -109,9 +109,30 @@ pub fn hint_of_files(path: &Path) -> String {
     near.map_or(String::new(), |other| format!("; did you mean `{}`?", path.with_file_name(other).display()))
 }
 
+/// A text as one word of a shell's command, for commands that errors and messages give to copy.
+pub fn shell_word(text: &str) -> String {
+    // a NUL is in no word of a shell
+    let text = text.replace('\0', "");
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "_@%+=:,./-".contains(c);
+    if !text.is_empty() && !text.starts_with('=') && text.chars().all(is_plain) {
+        return text;
+    }
+    shlex::try_quote(&text).map_or_else(|_| String::new(), |word| word.into_owned())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_word_of_a_command_is_the_text_again_in_a_shell() {
+        for text in ["plain-1.toml", "with space", "$(touch x)", "it's", "a\"b`c`", "", "a\nb", "!x;&|*?~"] {
+            let word = shell_word(text);
+            assert_eq!(shlex::split(&word), Some(vec![text.to_owned()]), "{word}");
+        }
+        assert_eq!(shell_word("--array=1-3,%A_%a"), "--array=1-3,%A_%a");
+        assert_eq!(shell_word("a\0b"), "ab");
+    }
 
     #[test]
     fn a_mistyped_name_finds_the_right_one_and_another_none() {

@@ -96,8 +96,10 @@ class World:
 class Robot:
     """A mobile manipulator on two driven wheels."""
 
-    def __new__(cls, file: _Path | None = None) -> Self:
-        """Reads a robot file (TOML) with its URDF, or takes the built-in robot. Raises RobotError."""
+    def __new__(cls, file: _Path | None = None, *, xacro: bool = False) -> Self:
+        """Reads a robot file (TOML) with its URDF, or takes the built-in robot. A xacro is refused, unless ``xacro`` is
+        set: then the program ``xacro`` expands it, which runs code that is in the file. Raises RobotError.
+        """
     @property
     def name(self) -> str:
         """Name."""

@@ -5,7 +5,6 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::error::Error as StdError;
 use std::iter::successors;
-use std::panic::AssertUnwindSafe;
 
 create_exception!(
     cocarry,
@@ -39,11 +38,7 @@ where
 
 /// Runs `act`. A panic in it becomes an exception: the physics engine panics on a state that is not consistent.
 pub fn guarded<T>(act: impl FnOnce() -> T) -> PyResult<T> {
-    std::panic::catch_unwind(AssertUnwindSafe(act)).map_err(|panic| {
-        let words = panic.downcast_ref::<String>().map(String::as_str);
-        let words = words.or(panic.downcast_ref::<&str>().copied()).unwrap_or("no reason is given");
-        Error::new_err(format!("the simulation failed: {words}"))
-    })
+    cocarry::guarded::here(act).map_err(|words| Error::new_err(format!("the simulation failed: {words}")))
 }
 
 /// Adds the exceptions to the module.

@@ -16,9 +16,16 @@ pub struct Robot {
 #[pymethods]
 impl Robot {
     #[new]
-    #[pyo3(signature = (file = None))]
-    fn new(file: Option<PathBuf>) -> PyResult<Self> {
-        let robot = file.map_or_else(robot::Robot::built_in, |file| robot::Robot::load(&file));
+    #[pyo3(signature = (file = None, *, xacro = false))]
+    fn new(py: Python<'_>, file: Option<PathBuf>, xacro: bool) -> PyResult<Self> {
+        let expand: Option<&robot::Expand> = xacro.then_some(&cocarry_program::xacro::expand);
+        // the program `xacro` may take a while
+        let robot = py.detach(|| match file {
+            None => robot::Robot::built_in(),
+            Some(file) => {
+                robot::Robot::check_expanded(&file, expand).map_err(|mut faults| faults.swap_remove(0))
+            }
+        });
         Ok(Self { robot: robot.map_err(|e| raise::<RobotError>(&e))? })
     }
 

@@ -7,7 +7,7 @@ use super::footprint;
 use super::level::FULL;
 use super::load;
 use super::postures::{self, Found};
-use super::texts::RobotTexts;
+use super::texts::{Expand, RobotTexts};
 use super::warning::WarningKind;
 use super::{Motion, Robot};
 use crate::error::{Error, Place};
@@ -48,7 +48,30 @@ impl Draft {
     /// # Errors
     /// The URDF is not valid, or a part of the robot is not found in it.
     pub fn new(urdf: &Path, named: &str, file: &str, request: &DraftRequest) -> Result<Self, Error> {
-        let mut texts = RobotTexts::of_urdf(urdf)?;
+        Self::of_texts(RobotTexts::of_urdf(urdf, None)?, urdf, named, file, request)
+    }
+
+    /// As [`Draft::new`], with a function that makes a URDF of a xacro.
+    ///
+    /// # Errors
+    /// As [`Draft::new`], and those of `expand`.
+    pub fn expanded(
+        urdf: &Path,
+        named: &str,
+        file: &str,
+        request: &DraftRequest,
+        expand: &Expand,
+    ) -> Result<Self, Error> {
+        Self::of_texts(RobotTexts::of_urdf(urdf, Some(expand))?, urdf, named, file, request)
+    }
+
+    fn of_texts(
+        mut texts: RobotTexts,
+        urdf: &Path,
+        named: &str,
+        file: &str,
+        request: &DraftRequest,
+    ) -> Result<Self, Error> {
         texts.file = file.to_owned();
         let urdf_file = texts.urdf_file.clone();
         let links = load::links_to_draft(&texts)?;

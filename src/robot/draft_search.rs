@@ -204,7 +204,7 @@ fn mesh_radius(link: &Link) -> Option<f64> {
     let shapes = link.collisions.iter().chain(&link.visuals);
     let mut radii = shapes.filter_map(|geometry| {
         let Shape::Mesh { file, scale, .. } = &geometry.shape else { return None };
-        let vertices = hull::read(file).ok()?.vertices;
+        let vertices = hull::vertices(file).ok()?;
         let distance = |v: &[f64; 3]| {
             let p = geometry.link_from_shape * Point3::from(Vector3::from(*v).component_mul(scale));
             axis.cross(&p.coords).norm()

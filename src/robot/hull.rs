@@ -1,5 +1,7 @@
 //! The convex hull of a mesh file, or of its convex parts. No other file uses `mesh_loader`.
 
+use super::mesh_bounds::{check_collada, check_obj, check_stl, remark_on_stl};
+use crate::guarded;
 use crate::located;
 use crate::math;
 use nalgebra::Vector3;
@@ -7,7 +9,7 @@ use parry3d::shape::{ConvexPolyhedron, Shape};
 use parry3d::transformation::vhacd::{VHACD, VHACDParameters};
 use parry3d::transformation::voxelization::FillMode;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
 /// The largest mesh file that is read, bytes.
@@ -36,13 +38,24 @@ const CONCAVITY: f64 = 0.02;
 const PARTS_ASKED: u32 = 16;
 
 /// The convex hull of a mesh.
-pub(super) struct Hull {
+struct Hull {
     /// Its vertices, in the file's units.
-    pub vertices: Vec<[f64; 3]>,
+    vertices: Vec<[f64; 3]>,
     /// The share of its volume that the mesh fills; `None` for a mesh that is flat, not closed, or large.
-    pub filled: Option<f64>,
+    filled: Option<f64>,
+    /// What is odd about the file.
+    remark: Option<String>,
     points: Vec<Vector3<f64>>,
     triangles: Vec<[u32; 3]>,
+}
+
+/// A mesh file: what it collides as, the share of its hull that it fills, and what is odd about it.
+pub(super) struct Collision {
+    pub convex: Convex,
+    /// As in [`Hull`].
+    pub filled: Option<f64>,
+    /// As in [`Hull`].
+    pub remark: Option<String>,
 }
 
 /// The shape as which a mesh collides.
@@ -68,7 +81,7 @@ impl Convex {
 impl Hull {
     /// The hull, or convex parts of a mesh that fills less than 40 % of it, by approximate convex
     /// decomposition (V-HACD: Mamou, Volumetric Hierarchical Approximate Convex Decomposition, 2016).
-    pub fn convex(self) -> Convex {
+    fn convex(self) -> Convex {
         if self.filled.is_none_or(|filled| filled >= MIN_FILLED) {
             return Convex::Hull(self.vertices);
         }
@@ -95,20 +108,41 @@ fn to_parry(p: Vector3<f64>) -> parry3d::math::Vector {
     parry3d::math::Vector::new(p.x, p.y, p.z)
 }
 
-/// The convex hull of all triangles of an STL, OBJ or COLLADA file: of its farthest vertices in 256 directions
-/// spread over the sphere. The error says why there is none.
-pub(super) fn read(file: &Path) -> Result<Hull, String> {
-    let format = file.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+/// What an STL, OBJ or COLLADA file collides as. The error says why it has no shape.
+pub(super) fn collision(file: &Path) -> Result<Collision, String> {
+    made(file, |hull| {
+        let (filled, remark) = (hull.filled, hull.remark.clone());
+        Collision { convex: hull.convex(), filled, remark }
+    })
+}
+
+/// The vertices of the convex hull of a mesh file, in its units.
+pub(super) fn vertices(file: &Path) -> Result<Vec<[f64; 3]>, String> {
+    made(file, |hull| hull.vertices)
+}
+
+/// What is made of a mesh file. The error says why nothing is, which may be that the parser, or the geometry
+/// made of the mesh, panics.
+fn made<T: Send>(file: &Path, make: impl FnOnce(Hull) -> T + Send) -> Result<T, String> {
     let bytes = located::read_bytes(MAX_MESH, file).map_err(|e| e.to_string())?;
+    let made = guarded::on_thread(|| of_bytes(&bytes, file).map(make));
+    made.unwrap_or_else(|panic| Err(format!("it cannot be read: {panic}")))
+}
+
+/// The convex hull of all triangles of a mesh file: of its farthest vertices in 256 directions spread over the
+/// sphere. The error says why there is none.
+fn of_bytes(bytes: &[u8], file: &Path) -> Result<Hull, String> {
+    let format = file.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
     // a library of materials next to an OBJ has no shapes
     let loader = mesh_loader::Loader::default().merge_meshes(true).custom_reader(|_| Ok(Vec::new()));
     let scene = match format.as_str() {
-        "stl" => loader.load_stl_from_slice(&bytes, file),
-        "obj" => loader.load_obj_from_slice(&bytes, file),
-        "dae" => loader.load_collada_from_slice(&bytes, file),
-        _ => return Err("expected STL, OBJ or COLLADA (.stl, .obj, .dae)".to_owned()),
+        "stl" => check_stl(bytes).map(|()| loader.load_stl_from_slice(bytes, file)),
+        "obj" => check_obj(bytes).map(|()| loader.load_obj_from_slice(bytes, file)),
+        // without a folder: textures are not searched for
+        "dae" => check_collada(bytes).map(|()| loader.load_collada_from_slice(bytes, "")),
+        _ => Err("expected STL, OBJ or COLLADA (.stl, .obj, .dae)".to_owned()),
     };
-    let scene = scene.map_err(|e| e.to_string())?;
+    let scene = scene?.map_err(|e| e.to_string())?;
     let (mut points, mut triangles) = (Vec::<Vector3<f64>>::new(), Vec::new());
     for mesh in &scene.meshes {
         let before = points.len() as u32;
@@ -118,7 +152,8 @@ pub(super) fn read(file: &Path) -> Result<Hull, String> {
     if points.is_empty() {
         return Err("it has no triangles".to_owned());
     }
-    if !points.iter().all(|p| p.amax() <= MAX_COORDINATE) {
+    // the largest of some numbers would pass over a NaN
+    if !points.iter().flatten().all(|x| x.abs() <= MAX_COORDINATE) {
         return Err(format!("a vertex is NaN or exceeds {MAX_COORDINATE:e}"));
     }
     let mut chosen = extreme(&points);
@@ -140,7 +175,8 @@ pub(super) fn read(file: &Path) -> Result<Hull, String> {
             })
             .collect();
     }
-    Ok(Hull { vertices: chosen.into_iter().map(Into::into).collect(), filled, points, triangles })
+    let remark = if format == "stl" { remark_on_stl(bytes, triangles.len()) } else { None };
+    Ok(Hull { vertices: chosen.into_iter().map(Into::into).collect(), filled, remark, points, triangles })
 }
 
 /// The volume of a mesh, if it is closed: every edge of a triangle is one of another in the other direction,
@@ -175,29 +211,32 @@ fn closed_volume(points: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Option<f64>
     is_closed.then_some(volume.abs())
 }
 
-/// The convex hull of these points; `None` where they are flat.
+/// The convex hull of these points; `None` where they are flat, or so nearly that it cannot be made.
 fn hull(points: &[Vector3<f64>]) -> Option<ConvexPolyhedron> {
     let points: Vec<_> = points.iter().copied().map(to_parry).collect();
-    if points.len() < 4 {
+    if points.len() < 4 || !points.iter().all(|p| p.is_finite()) {
         return None;
     }
-    ConvexPolyhedron::from_convex_hull(&points)
+    guarded::here(|| ConvexPolyhedron::from_convex_hull(&points)).ok().flatten()
 }
 
 /// The farthest points in directions spread evenly over the sphere, each once, in the order of the points.
 fn extreme(points: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
     const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
+    // files repeat corners in every triangle; of equals the last counts
+    let last: HashMap<[u64; 3], usize> =
+        points.iter().enumerate().map(|(i, p)| ([p.x, p.y, p.z].map(f64::to_bits), i)).collect();
+    let mut distinct: Vec<usize> = last.into_values().collect();
+    distinct.sort_unstable();
     let farthest = |i: usize| {
         let z = 1.0 - (2 * i + 1) as f64 / DIRECTIONS as f64;
         let radius = (1.0 - z * z).max(0.0).sqrt();
         let turn = GOLDEN_ANGLE * i as f64;
         let along = Vector3::new(radius * math::cos(turn), radius * math::sin(turn), z);
-        (0..points.len()).max_by(|&a, &b| points[a].dot(&along).total_cmp(&points[b].dot(&along)))
+        distinct.iter().copied().max_by(|&a, &b| points[a].dot(&along).total_cmp(&points[b].dot(&along)))
     };
     let chosen: BTreeSet<usize> = (0..DIRECTIONS).filter_map(farthest).collect();
-    let mut seen = BTreeSet::new();
-    let is_new = |p: &Vector3<f64>| seen.insert([p.x, p.y, p.z].map(f64::to_bits));
-    chosen.into_iter().map(|i| points[i]).filter(is_new).collect()
+    chosen.into_iter().map(|i| points[i]).collect()
 }
 
 /// Whether the points have a hull that the physics can use.
@@ -228,10 +267,7 @@ mod tests {
                 face([n + a, n + b, n + c]);
             }
         }
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("prism.obj");
-        std::fs::write(&file, text).unwrap();
-        read(&file).unwrap()
+        of_bytes(text.as_bytes(), "prism.obj".as_ref()).unwrap()
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::arm::{self, Arm, Ends, Hold};
 use super::file::{RobotFile, number};
 use super::link::{Coupling, Joint, JointKind, Limits, Link};
 use super::mesh::MeshFolders;
-use super::texts::{KIND, RobotTexts, xacro};
+use super::texts::{Expand, KIND, RobotTexts, xacro};
 use super::urdf::{Hulls, Links, Urdf, is_xacro};
 use super::warning::RobotWarning;
 use super::wheels::Wheels;
@@ -33,7 +33,16 @@ impl Robot {
     /// # Errors
     /// At least one.
     pub fn check(path: &Path) -> Result<Self, Vec<Error>> {
-        complete(RobotTexts::read(path).map_err(|fault| vec![fault])?)
+        complete(RobotTexts::read(path, None).map_err(|fault| vec![fault])?)
+    }
+
+    /// As [`Robot::check`], with a function that makes a URDF of a xacro; without it, a xacro is refused. The
+    /// `xacro` program runs code that is in the file.
+    ///
+    /// # Errors
+    /// As [`Robot::check`], and those of `expand`.
+    pub fn check_expanded(path: &Path, expand: Option<&Expand>) -> Result<Self, Vec<Error>> {
+        complete(RobotTexts::read(path, expand).map_err(|fault| vec![fault])?)
     }
 
     /// A robot built from texts that were read before. Meshes of texts from a recording or a snapshot keep

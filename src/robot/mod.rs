@@ -21,6 +21,7 @@ mod level;
 mod link;
 mod load;
 mod mesh;
+mod mesh_bounds;
 mod posture;
 mod postures;
 mod reach;
@@ -41,7 +42,7 @@ pub use kinematics::{Kinematics, pose_difference};
 pub use link::{Coupling, Geometry, Inertial, Joint, JointKind, Limits, Link, Mimic, Shape};
 pub use reach::Reach;
 pub(crate) use self_contact::SelfContacts;
-pub use texts::RobotTexts;
+pub use texts::{Expand, RobotTexts};
 pub use warning::{RobotWarning, WarningKind};
 
 use crate::geometry::{Footprint, PlanarPose, Pose};

@@ -9,7 +9,9 @@ use crate::located::{self, MAX_SETTINGS, Source};
 use crate::suggestion;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
-use std::process::Command;
+
+/// Makes the text of a URDF of a xacro. The simulator starts no program and expands none itself.
+pub type Expand = dyn Fn(&Path) -> Result<String, Error> + Sync;
 
 /// The name of a robot file's kind, in errors.
 pub(super) const KIND: &str = "robot file";
@@ -59,8 +61,8 @@ impl Eq for MeshFolder {}
 
 impl RobotTexts {
     /// Reads a robot file (`.toml`) and the URDF that it names, or a URDF (`.urdf`, `.xml`) and the robot
-    /// file of the same name next to it.
-    pub(super) fn read(path: &Path) -> Result<Self, Error> {
+    /// file of the same name next to it. A xacro is refused without `expand`.
+    pub(super) fn read(path: &Path, expand: Option<&Expand>) -> Result<Self, Error> {
         let file = path.display().to_string();
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_lowercase();
         let robot_file = match extension.as_str() {
@@ -87,8 +89,9 @@ impl RobotTexts {
             return Err(Error::at(
                 Place::file(&file),
                 format_args!(
-                    "needs a robot file next to it, {}, which names urdf, base_link, grasp_frame, left_wheel and right_wheel (or another drive), base_width_m, grasp_height_m and a [[posture]]; `cocarry robot init {file}` drafts one",
-                    robot_file.display()
+                    "needs a robot file next to it, {}, which names urdf, base_link, grasp_frame, left_wheel and right_wheel (or another drive), base_width_m, grasp_height_m and a [[posture]]; `cocarry robot init {}` drafts one",
+                    robot_file.display(),
+                    suggestion::shell_word(&file)
                 ),
             ));
         }
@@ -108,7 +111,7 @@ impl RobotTexts {
                 ),
             ));
         }
-        let urdf_text = read_urdf(&urdf)?;
+        let urdf_text = read_urdf(&urdf, expand)?;
         let packages = entries.packages.iter().map(|package| folder.join(package));
         let meshes = MeshFolder(Some(MeshFolders::new(&urdf, packages)));
         let urdf_file = urdf.display().to_string();
@@ -116,8 +119,8 @@ impl RobotTexts {
     }
 
     /// A URDF without a robot file yet.
-    pub(super) fn of_urdf(path: &Path) -> Result<Self, Error> {
-        let urdf = read_urdf(path)?;
+    pub(super) fn of_urdf(path: &Path, expand: Option<&Expand>) -> Result<Self, Error> {
+        let urdf = read_urdf(path, expand)?;
         let urdf_file = path.display().to_string();
         let meshes = MeshFolder(Some(MeshFolders::new(path, std::iter::empty())));
         let (file, text) = (urdf_file.clone(), String::new());
@@ -158,35 +161,16 @@ impl RobotTexts {
     }
 }
 
-/// The text of a URDF. A xacro is expanded where the program `xacro` is installed.
-fn read_urdf(path: &Path) -> Result<String, Error> {
-    let text = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("xacro")) {
-        None
-    } else {
-        let text = located::read(path)?;
-        let file = path.display().to_string();
-        let is_bounded = Urdf { file: &file, folders: None, hulls: None }.check_extent(&text).is_ok();
-        if !(is_bounded && is_xacro(&text)) {
-            return Ok(text);
-        }
-        Some(text)
-    };
-    let expanded = Command::new("xacro").arg(path).output();
-    match (expanded, text) {
-        (Ok(output), _) if output.status.success() => {
-            String::from_utf8(output.stdout).map_err(|_| xacro(path))
-        }
-        (Ok(output), _) => {
-            let said = String::from_utf8_lossy(&output.stderr).into_owned();
-            let said = said.trim().lines().last().unwrap_or("no message").to_owned();
-            Err(Error::at(
-                Place::file(path.display().to_string()),
-                format_args!("`xacro` cannot expand it: {said}"),
-            ))
-        }
-        // without the program
-        (Err(_), _) => Err(xacro(path)),
+/// The text of a URDF, or what `expand` makes of a xacro.
+fn read_urdf(path: &Path, expand: Option<&Expand>) -> Result<String, Error> {
+    let expanded = || expand.ok_or_else(|| xacro(path)).and_then(|expand| expand(path));
+    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("xacro")) {
+        return expanded();
     }
+    let text = located::read(path)?;
+    let file = path.display().to_string();
+    let is_bounded = Urdf { file: &file, folders: None, hulls: None }.check_extent(&text).is_ok();
+    if is_bounded && is_xacro(&text) { expanded() } else { Ok(text) }
 }
 
 /// The error that a URDF is a xacro, with the command that expands it.
@@ -195,11 +179,13 @@ pub(super) fn xacro(path: &Path) -> Error {
     let has_urdf = stem.extension().is_some_and(|e| e == "urdf");
     let expanded = if has_urdf { stem } else { stem.with_extension("urdf") };
     let expanded = if expanded == path { path.with_extension("expanded.urdf") } else { expanded };
-    let (file, expanded) = (path.display(), expanded.display());
+    let word = |path: &Path| suggestion::shell_word(&path.display().to_string());
     Error::at(
-        Place::file(file.to_string()),
+        Place::file(path.display().to_string()),
         format_args!(
-            "a xacro, not a URDF; expand it first: `xacro {file} > {expanded}` (`pip install xacro` has the program)"
+            "a xacro, not a URDF; xacro runs code that is in the file. If you trust it, expand it first: `xacro -- {} > {}` (`pip install xacro` has the program), or let `run`, `robot check` or `robot init` do it with --xacro, in Python with Robot(..., xacro=True)",
+            word(path),
+            word(&expanded)
         ),
     )
 }

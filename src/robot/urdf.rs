@@ -2,13 +2,14 @@
 //! `xml`, its first parser.
 
 use super::arm::bad_limits;
-use super::hull::{self, Convex};
+use super::hull::{self, Collision, Convex};
 use super::link::{Coupling, Geometry, Inertial, Joint, JointKind, Limits, Link, Mimic, Shape};
 use super::mesh::{self, MeshFolders};
 use super::tree::{self, Edge, Spot};
 use super::warning::{RobotWarning, WarningKind, some_of};
 use crate::error::{Error, Place};
 use crate::geometry::Pose;
+use crate::guarded;
 use crate::located::Source;
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use std::collections::{BTreeMap, BTreeSet};
@@ -19,12 +20,16 @@ use std::path::PathBuf;
 const MAX_NUMBER: f64 = 1e6;
 /// The deepest nesting of elements; the parser recurses once per level.
 const MAX_DEPTH: usize = 64;
+/// The largest number of attributes of an element; parsers compare each with all others.
+const MAX_ATTRIBUTES: usize = 64;
 /// The largest number of elements, and of elements, texts and comments.
 const MAX_ELEMENTS: usize = 50_000;
 const MAX_PIECES: usize = 500_000;
 /// The largest total length of namespaces and their prefixes, bytes; the parser copies them into every
 /// element after them.
 const MAX_NAMESPACES: usize = 4096;
+/// The largest total size of the collision meshes of a robot, bytes.
+const MAX_MESH_BYTES: u64 = 1 << 30;
 /// The namespace of namespaces.
 const XMLNS: &str = "http://www.w3.org/2000/xmlns/";
 
@@ -58,8 +63,7 @@ impl Urdf<'_> {
     /// The links of the URDF. The error is a fault of the file or of the tree.
     pub fn links(self, text: &str) -> Result<Links, Error> {
         self.check_extent(text)?;
-        let urdf = urdf_rs::read_from_string(text)
-            .map_err(|error| Source { file: self.file, text }.invalid("URDF", error))?;
+        let urdf = parsed(text).map_err(|error| Source { file: self.file, text }.invalid("URDF", error))?;
         if urdf.links.is_empty() {
             return Err(Error::missing(self.place("robot".to_owned()), "links"));
         }
@@ -132,30 +136,38 @@ impl Urdf<'_> {
     /// of a URDF that is not valid.
     pub fn collision_hulls(self, text: &str) -> (Hulls, Vec<RobotWarning>) {
         let (mut hulls, mut warnings) = (Hulls::new(), Vec::new());
-        let urdf = self.check_extent(text).ok().and_then(|()| urdf_rs::read_from_string(text).ok());
+        // why a mesh has no hull, if it has none: every file is read once
+        let mut known: BTreeMap<&str, Option<String>> = BTreeMap::new();
+        let mut left = MAX_MESH_BYTES;
+        let urdf = self.check_extent(text).ok().and_then(|()| parsed(text).ok());
         let links = urdf.iter().flat_map(|urdf| &urdf.links);
         for (link, geometry) in links.flat_map(|l| l.collision.iter().map(move |c| (&l.name, &c.geometry))) {
-            let Some(mesh) = mesh_name(geometry).filter(|mesh| !hulls.contains_key(*mesh)) else { continue };
-            let Some(found) = self.file_of(geometry) else { continue };
-            let found = found.map_err(|why| format!("searched for {why}"));
-            match found.and_then(|file| hull::read(&file).map_err(|why| format!("{}: {why}", file.display())))
-            {
-                Ok(hull) => {
-                    let percent = 100.0 * hull.filled.unwrap_or(1.0);
-                    let convex = hull.convex();
-                    if let Convex::Parts(parts) = &convex {
-                        warnings.push(RobotWarning::new(format!(
-                            "link `{link}`: its collision mesh `{mesh}` fills {percent:.0} % of its convex hull, and collides as {} convex parts",
-                            parts.len()
-                        )));
-                    }
-                    hulls.insert(mesh.to_owned(), convex);
+            let Some(mesh) = mesh_name(geometry) else { continue };
+            let why = match known.get(mesh) {
+                Some(why) => why.clone(),
+                None => {
+                    let Some(found) = self.file_of(geometry) else { continue };
+                    let read = found.map_err(|why| format!("searched for {why}")).and_then(|file| {
+                        let of_file = |why| format!("{}: {why}", file.display());
+                        let length = std::fs::metadata(&file).map_or(0, |data| data.len());
+                        left = left.checked_sub(length).ok_or_else(|| {
+                            of_file(format!("it and the meshes before it exceed {MAX_MESH_BYTES} bytes"))
+                        })?;
+                        hull::collision(&file).map_err(of_file)
+                    });
+                    let why = read.map(|collision| {
+                        warnings.extend(about_mesh(link, mesh, &collision));
+                        hulls.insert(mesh.to_owned(), collision.convex);
+                    });
+                    let why = why.err();
+                    known.insert(mesh, why.clone());
+                    why
                 }
-                Err(why) => warnings.push(RobotWarning::of_kind(
-                    WarningKind::MissingShape,
-                    format!("link `{link}`: its collision mesh `{mesh}` has no shape: {why}"),
-                )),
-            }
+            };
+            warnings.extend(why.map(|why| {
+                let about = format!("link `{link}`: its collision mesh `{mesh}` has no shape: {why}");
+                RobotWarning::of_kind(WarningKind::MissingShape, about)
+            }));
         }
         (hulls, warnings)
     }
@@ -214,6 +226,7 @@ impl Urdf<'_> {
                     check("depth of its elements", depth, MAX_DEPTH)?;
                     check("number of its elements", elements, MAX_ELEMENTS)?;
                     check("length of its namespaces", namespaces, MAX_NAMESPACES)?;
+                    check("number of an element's attributes", tag.attributes.len(), MAX_ATTRIBUTES)?;
                 }
                 xml::Event::ElementEnd(_) if depth <= 1 => break,
                 xml::Event::ElementEnd(_) => depth -= 1,
@@ -266,6 +279,29 @@ impl Urdf<'_> {
             coupling: Coupling { joint: None, ratio: 1.0, offset: 0.0 },
         })
     }
+}
+
+/// A URDF whose extent was checked, by the parser of others.
+fn parsed(text: &str) -> Result<urdf_rs::Robot, Box<dyn std::error::Error + Send + Sync>> {
+    Ok(guarded::on_thread(|| urdf_rs::read_from_string(text))??)
+}
+
+/// Warnings about a mesh that has a shape.
+fn about_mesh(link: &str, mesh: &str, collision: &Collision) -> Vec<RobotWarning> {
+    let about = |sentence: String| {
+        RobotWarning::new(format!("link `{link}`: its collision mesh `{mesh}` {sentence}"))
+    };
+    let remark = collision.remark.as_ref().map(|remark| about(format!("may be damaged: {remark}")));
+    let parts = match &collision.convex {
+        Convex::Hull(_) => None,
+        Convex::Parts(parts) => {
+            let (percent, count) = (100.0 * collision.filled.unwrap_or(1.0), parts.len());
+            Some(about(format!(
+                "fills {percent:.0} % of its convex hull, and collides as {count} convex parts"
+            )))
+        }
+    };
+    remark.into_iter().chain(parts).collect()
 }
 
 /// The name of a mesh; `None` for another shape.

@@ -222,3 +222,23 @@ fn a_study_has_a_bounded_number_of_combinations() {
     let said = refused(2000, folder.path(), "sweep s.toml");
     assert!(said.contains("s.toml:4: eta") && said.contains("at most 10000"), "{said}");
 }
+
+/// Half a megabyte of integrals, and draws, for each of them would not fit.
+#[test]
+fn many_participants_are_inferred_in_little_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut answers = "participant,world,option,percent\n".to_owned();
+    for person in 0..300 {
+        for world in 1..=2 {
+            for option in 1..=4 {
+                let percent = if option == 1 + (person + world) % 4 { 100 } else { 0 };
+                answers += &format!("p{person},environment-{world},{option},{percent}\n");
+            }
+        }
+    }
+    std::fs::write(folder.path().join("a.csv"), answers).unwrap();
+    let output = within(300, folder.path(), "infer a.csv --csv people.csv --draws 100");
+    assert!(output.status.success(), "{}", stderr(&output));
+    let people = std::fs::read_to_string(folder.path().join("people.csv")).unwrap();
+    assert_eq!(people.lines().count(), 301);
+}

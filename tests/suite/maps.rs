@@ -466,3 +466,44 @@ fn a_world_in_millimetres_is_warned_about() {
         assert_eq!(World::load(Path::new(&path)).unwrap().warnings(), [""; 0]);
     }
 }
+
+/// What refers to what refers to more, elements in elements, and rules that are compared with every element.
+#[test]
+fn a_small_drawing_that_asks_for_much_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plan.svg");
+    let groups: String = (1..10)
+        .map(|i| format!("<g id=\"g{i}\">{}</g>", format!("<use href=\"#g{}\"/>", i - 1).repeat(10)))
+        .collect();
+    let patterns: String = (1..12)
+        .map(|i| {
+            format!(
+                "<pattern id=\"g{i}\">{}</pattern>",
+                format!("<path d=\"M0 0H1V1z\" fill=\"url(#g{})\"/>", i - 1).repeat(8)
+            )
+        })
+        .collect();
+    let first = "<g id=\"g0\"><path d=\"M0 0H1V1z\"/></g>";
+    let rules: String = (0..3000).map(|i| format!(".a{i} {{fill:red}}")).collect();
+    for (content, said) in [
+        (format!("{first}{groups}"), "more than 300000 elements, with those that others refer to"),
+        (format!("{first}{patterns}"), "more than 300000 elements, with those that others refer to"),
+        ("<g>".repeat(20_000) + &"</g>".repeat(20_000), "depth of its elements = 129"),
+        (format!("<style>{rules}</style>{}", "<g/>".repeat(10_000)), "3000 rules of style"),
+        (
+            format!(
+                "<marker id=\"m\"><path d=\"M0 0\"/></marker><path style=\"marker-mid:url(#m)\" d=\"{}\"/>",
+                "M1 1".repeat(200_000)
+            ),
+            "more than 300000 elements",
+        ),
+    ] {
+        let svg = format!("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 10 6\">{content}</svg>");
+        std::fs::write(&path, svg).unwrap();
+        let begun = std::time::Instant::now();
+        let error = cocarry_maps::from_map(&path, &ends([0.0; 3])).expect_err("refused");
+        let error = format!("{:#}", anyhow::Error::from(error));
+        assert!(error.contains("plan.svg: not a valid SVG file") && error.contains(said), "{error}");
+        assert!(begun.elapsed() < std::time::Duration::from_secs(5), "{said}: {:?}", begun.elapsed());
+    }
+}

@@ -2,6 +2,7 @@
 //! origin and thresholds.
 
 use cocarry::error::{Error, Place};
+use cocarry::guarded;
 use cocarry::located::Source;
 use saphyr_parser::{Event, Parser};
 use std::collections::BTreeMap;
@@ -42,7 +43,9 @@ struct Written {
 
 impl Description {
     pub fn parse(source: Source) -> Result<Self, Error> {
-        let values = Values { source, written: read(source)? };
+        let written = guarded::on_thread(|| read(source));
+        let written = written.map_err(|panic| source.invalid("map description (YAML)", panic))??;
+        let values = Values { source, written };
         let known = ["image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh", "mode"];
         for (key, written) in &values.written {
             if !known.contains(&key.as_str()) {

@@ -1,6 +1,7 @@
 //! Images of occupancy grids: PGM (plain and raw) and PNG, as shades of grey.
 
 use cocarry::error::{Error, Place};
+use cocarry::guarded;
 use cocarry::located;
 use std::io::Cursor;
 use std::path::Path;
@@ -23,7 +24,9 @@ impl Image {
         let file = path.display().to_string();
         let read = located::read_bytes(MAX_BYTES, path);
         let bytes = read.map_err(|error| located::unreadable(&file, error))?;
-        Self::decode(&bytes).map_err(|fault| Error::at(Place::file(file), fault))
+        let decoded = guarded::on_thread(|| Self::decode(&bytes));
+        let decoded = decoded.unwrap_or_else(|panic| Err(format!("cannot be decoded: {panic}")));
+        decoded.map_err(|fault| Error::at(Place::file(file), fault))
     }
 
     fn decode(bytes: &[u8]) -> Result<Self, String> {
@@ -102,6 +105,7 @@ impl Pgm<'_> {
 fn png(bytes: &[u8]) -> Result<Image, String> {
     let fault = |error: png::DecodingError| format!("is not a valid PNG image: {error}");
     let mut decoder = png::Decoder::new(Cursor::new(bytes));
+    decoder.set_ignore_text_chunk(true);
     decoder.set_transformations(png::Transformations::normalize_to_color8());
     let mut reader = decoder.read_info().map_err(fault)?;
     let (width, height) = (reader.info().width as usize, reader.info().height as usize);

@@ -28,6 +28,7 @@ mod request;
 mod room;
 mod simplify;
 mod svg;
+mod svg_bounds;
 mod trace;
 
 use cocarry::error::{Error, Place};

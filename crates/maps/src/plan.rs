@@ -4,6 +4,7 @@ use crate::request::Request;
 use crate::room::Obstacles;
 use cocarry::error::{Error, Place};
 use cocarry::geometry::Point;
+use cocarry::guarded;
 use cocarry::located::{MAX_WORLD, Source, read_at_most};
 use geojson::{Feature, GeoJson, GeometryValue, JsonObject};
 use std::collections::BTreeMap;
@@ -15,8 +16,9 @@ pub(crate) fn obstacles(path: &Path, request: &Request) -> Result<String, Error>
     let file = path.display().to_string();
     let text = read_at_most(4 * MAX_WORLD, path)?;
     let source = Source { file: &file, text: &text };
-    let plan: GeoJson =
-        text.parse().map_err(|error: geojson::Error| source.invalid("GeoJSON file", error))?;
+    let plan = guarded::on_thread(|| text.parse::<GeoJson>());
+    let plan = plan.map_err(|panic| source.invalid("GeoJSON file", panic))?;
+    let plan = plan.map_err(|error| source.invalid("GeoJSON file", error))?;
     let features = match plan {
         GeoJson::FeatureCollection(collection) => collection.features,
         GeoJson::Feature(feature) => vec![feature],

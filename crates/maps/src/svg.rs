@@ -2,8 +2,10 @@
 
 use crate::request::Request;
 use crate::room::{MAX_CORNERS, Obstacles};
+use crate::svg_bounds::{self, DRAWING};
 use cocarry::error::{Error, Place};
 use cocarry::geometry::{Point, Vector, cross, left_of};
+use cocarry::guarded;
 use cocarry::located::{MAX_WORLD, Source, read_at_most};
 use std::collections::BTreeMap;
 use std::path::Path as FilePath;
@@ -29,7 +31,16 @@ pub(crate) fn obstacles(path: &FilePath, request: &Request) -> Result<String, Er
     let file = path.display().to_string();
     let text = read_at_most(4 * MAX_WORLD, path)?;
     let source = Source { file: &file, text: &text };
-    let document = roxmltree::Document::parse(&text).map_err(|error| source.invalid("SVG file", error))?;
+    guarded::on_thread(|| of_text(source, request))
+        .unwrap_or_else(|panic| Err(source.invalid("SVG file", panic)))
+}
+
+/// As [`obstacles`], of the text of a drawing.
+fn of_text(source: Source, request: &Request) -> Result<String, Error> {
+    let Source { file, text } = source;
+    DRAWING.check(text).map_err(|why| source.invalid("SVG file", why))?;
+    let document = roxmltree::Document::parse(text).map_err(|error| source.invalid("SVG file", error))?;
+    svg_bounds::check(&document).map_err(|why| source.invalid("SVG file", why))?;
     let tree = Tree::from_xmltree(&document, &without_pictures())
         .map_err(|error| source.invalid("SVG file", error))?;
     let frame = Frame::new(&document, &tree, request.unit.metres());
@@ -39,11 +50,11 @@ pub(crate) fn obstacles(path: &FilePath, request: &Request) -> Result<String, Er
         let sentence = format_args!(
             "its areas and lines have more than {MAX_CORNERS} corners; leave out what is not an obstacle"
         );
-        Error::at(Place::file(&file), sentence)
+        Error::at(Place::file(file), sentence)
     })?;
     if plan.obstacles.text.is_empty() {
         return Err(Error::bad(
-            Place::file(&file),
+            Place::file(file),
             "a drawing without obstacles",
             "areas that are filled in another colour than white, or lines",
         ));

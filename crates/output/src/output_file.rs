@@ -65,6 +65,12 @@ impl OutputError {
         Self::refused(file, "another process is writing it")
     }
 
+    /// A name that no file can have.
+    fn no_name(file: &Path, source: Error) -> Self {
+        let place = Place::file(file.display().to_string());
+        Self::Refused(cocarry::Error::at(place, "cannot be the name of a file").because(source))
+    }
+
     /// A file that the system cannot write.
     pub fn write(file: &Path, source: Error) -> Self {
         Self::failed(file, "cannot be written", source)
@@ -105,7 +111,18 @@ impl Outputs {
             return Err(OutputError::input(file));
         }
         existing(file, self.overwrite)?;
+        nameable(file)?;
         unlocked(file)
+    }
+
+    /// The check that the folder of a file exists, for a file that is written after the work.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn check_folder(file: &Path) -> Result<(), OutputError> {
+        let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let found = folder.map_or(Ok(()), |folder| folder.metadata().map(drop));
+        found.map_err(|source| OutputError::write(file, source))
     }
 
     /// Writes a whole file.
@@ -352,6 +369,16 @@ fn existing(file: &Path, overwrite: bool) -> Result<Option<Metadata>, OutputErro
         "" if overwrite => Ok(Some(found)),
         "" => Err(OutputError::exists(file)),
         kind => Err(OutputError::not_a_file(file, kind)),
+    }
+}
+
+/// An error if no file can have that name: it is too long.
+fn nameable(file: &Path) -> Result<(), OutputError> {
+    match file.symlink_metadata() {
+        Err(source) if source.kind() == ErrorKind::InvalidFilename => {
+            Err(OutputError::no_name(file, source))
+        }
+        _ => Ok(()),
     }
 }
 

@@ -8,6 +8,7 @@ use super::reproduce::Common;
 use super::sweep::{self, print_summary};
 use anyhow::Context;
 use clap::{Args, Subcommand};
+use cocarry::suggestion::shell_word;
 use cocarry_studies::cluster::{
     self, Array, ClusterError, Description, Job, Progress, ShardState, slurm, states,
 };
@@ -181,7 +182,16 @@ fn send(job: &mut Job, shards: &[u64], no_submit: bool) -> Result<ExitCode, Fail
     if no_submit {
         let commands: Vec<String> = slurm::arrays(shards, slurm::MAX_TASKS)
             .iter()
-            .map(|array| format!("{}\n", slurm::submission(job, array).join(" ")))
+            .map(|array| {
+                format!(
+                    "{}\n",
+                    slurm::submission(job, array)
+                        .iter()
+                        .map(|word| shell_word(word))
+                        .collect::<Vec<_>>()
+                        .join(" ")
+                )
+            })
             .collect();
         print(&commands.concat())?;
         return Ok(ExitCode::SUCCESS);
@@ -261,7 +271,7 @@ fn status(arguments: &StatusArguments) -> Result<ExitCode, Failure> {
         text += &format!("\n{}", table_text(&rows));
     }
     let again = count("failed") + count("missing");
-    let results = arguments.results.display();
+    let results = shell_word(&arguments.results.display().to_string());
     if again > 0 {
         text += &format!("to submit them again: cocarry cluster resubmit {results}\n");
     } else if count("done") as u64 == of {
@@ -295,7 +305,7 @@ fn gather(arguments: &GatherArguments) -> Result<ExitCode, Failure> {
         // arrays list shards as ranges
         let listed = slurm::arrays(&missing, u64::MAX);
         let listed = listed.first().map_or(String::new(), |array| ranges(&array.shards));
-        let results = arguments.results.display();
+        let results = shell_word(&arguments.results.display().to_string());
         print(&format!(
             "{} of {} are not complete: {listed}\nto see why: cocarry cluster status {results}\n",
             missing.len(),

@@ -42,8 +42,9 @@ pub(super) fn run_export(arguments: &ExportArguments) -> Result<ExitCode, Failur
         return Ok(ExitCode::SUCCESS);
     }
     let files: Vec<_> = files.into_iter().map(|(name, bytes)| (folder.join(name), bytes)).collect();
-    // before the folder of meshes is made
-    arguments.overwrite.outputs([], files.iter().map(|(file, _)| file))?;
+    // before the folder of meshes is made, which has no files then
+    let has_folder = |file: &&PathBuf| file.parent().is_none_or(|parent| parent == folder || parent.is_dir());
+    arguments.overwrite.outputs([], files.iter().map(|(file, _)| file).filter(has_folder))?;
     let parents = files.iter().filter_map(|(file, _)| file.parent());
     let made = match parents.filter(|parent| **parent != *folder).find(|parent| !parent.is_dir()) {
         Some(meshes) => Some(made(meshes)?),

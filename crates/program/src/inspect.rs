@@ -10,7 +10,7 @@ use cocarry::geometry::Point;
 use cocarry_output::drawing::{self, Track};
 use cocarry_output::output_file::Outputs;
 use cocarry_recording::recording::{Channel, Contents, ReadError, Reader, columns, decode, rows, scenario};
-use cocarry_studies::table::plain;
+use cocarry_studies::table::{plain, text_cell};
 use serde_json::{Value, json};
 use std::borrow::Cow;
 use std::io::Write;
@@ -174,11 +174,13 @@ fn write_table<R: std::io::Read>(
         Failure::Output(error.context(name.to_owned()))
     };
     let mut writer = csv::Writer::from_writer(to);
-    let heading = std::iter::once("time_s".into()).chain(columns.iter().map(|column| visible(column)));
+    let heading = std::iter::once("time_s".into())
+        .chain(columns.iter().map(|column| visible(&text_cell(column)).into_owned().into()));
     writer.write_record(heading.map(Cow::into_owned)).map_err(failed)?;
     let written = rows(reader, topic, columns, |time, cells| {
-        let cells =
-            cells.iter().map(|cell| cell.map_or_else(String::new, |cell| visible(&plain(cell)).into()));
+        let cells = cells
+            .iter()
+            .map(|cell| cell.map_or_else(String::new, |cell| visible(&text_cell(&plain(cell))).into()));
         let row = std::iter::once(seconds(time).to_string()).chain(cells);
         writer.write_record(row).map_err(Stop::Write)
     });

@@ -38,6 +38,7 @@ mod text_table;
 mod tick_log;
 mod world;
 mod worlds;
+pub mod xacro;
 
 use clap::error::ContextKind;
 use clap::{CommandFactory, Parser, Subcommand};

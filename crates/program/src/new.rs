@@ -5,6 +5,7 @@ use super::export::write_all;
 use super::output::{Failure, OverwriteArguments, examples, print};
 use anyhow::Context;
 use clap::Args;
+use cocarry::suggestion::shell_word;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -35,13 +36,15 @@ const FILES: [(&str, &str); 5] = [
 pub(super) fn run_new(arguments: &NewArguments) -> Result<ExitCode, Failure> {
     let NewArguments { folder, overwrite } = arguments;
     let files = FILES.map(|(name, text)| (folder.join(name), text));
-    // before the folder is made
-    overwrite.outputs([], files.iter().map(|(file, _)| file))?;
+    // before the folder is made, which has no files then
+    if folder.exists() {
+        overwrite.outputs([], files.iter().map(|(file, _)| file))?;
+    }
     std::fs::create_dir_all(folder)
         .with_context(|| format!("{}: cannot be created", folder.display()))
         .map_err(Failure::Output)?;
     write_all(*overwrite, &files)?;
-    let file = |name: &str| folder.join(name).display().to_string();
+    let file = |name: &str| shell_word(&folder.join(name).display().to_string());
     let [world, robot, study, answers] = ["world.toml", "robot.toml", "study.toml", "answers.csv"].map(file);
     print(&format!(
         "\nTry:\n  \

@@ -32,10 +32,11 @@ pub(super) fn input(error: impl Into<Error>) -> Failure {
     Failure::Input(error.into())
 }
 
-/// Text without control characters, which a terminal would obey: names in it come from files. Each is written
-/// as JSON writes it. Newlines and tabs stay.
+/// Text without control characters, which a terminal would obey, or by which it would show the rest in another
+/// order: names in it come from files. Each is written as JSON writes it. Newlines and tabs stay.
 pub(super) fn visible(text: &str) -> Cow<'_, str> {
-    let is_obeyed = |c: char| c.is_control() && !matches!(c, '\n' | '\t');
+    let is_direction = |c| matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    let is_obeyed = |c: char| c.is_control() && !matches!(c, '\n' | '\t') || is_direction(c);
     if !text.contains(is_obeyed) {
         return Cow::Borrowed(text);
     }
@@ -109,6 +110,10 @@ impl OverwriteArguments {
         let mut names: Vec<&PathBuf> = Vec::new();
         for file in files {
             outputs.check(file).map_err(unwritten)?;
+            // a recording begins before the work
+            if file.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("mcap")) {
+                Outputs::check_folder(file).map_err(unwritten)?;
+            }
             if names.contains(&file) {
                 return Err(input(anyhow!(
                     "{}: duplicate output file; choose different names",

@@ -9,6 +9,7 @@ use anyhow::anyhow;
 use clap::error::ContextKind;
 use clap::{ArgAction, Args, CommandFactory, Parser, Subcommand};
 use cocarry::scenario::Scenario;
+use cocarry::suggestion::shell_word;
 use cocarry_output::output_file::Outputs;
 use cocarry_studies::regression::{Baseline, FORMAT, Figure, Figures, Moved, Run, Value, moved, run_all};
 use serde_json::json;
@@ -55,12 +56,16 @@ pub(super) fn run_regress(action: &Action) -> Result<ExitCode, Failure> {
     if let Some(run) = baseline.runs.iter().find(|run| is_check && run.recorded.is_none()) {
         let file = &baseline.file;
         let place = place(file, run.line, &run.name);
-        return Err(input(anyhow!("{place} has no figures yet; record them: cocarry regress record {file}")));
+        return Err(input(anyhow!(
+            "{place} has no figures yet; record them: cocarry regress record {}",
+            shell_word(file)
+        )));
     }
     if is_check && baseline.format < FORMAT {
         let (file, found) = (&baseline.file, baseline.format);
         return Err(input(anyhow!(
-            "{file}: its figures have format {found}, which lacks some of format {FORMAT} (2 added the openings walked; 3 has all figures, with the keys of `cocarry run --json`); record them again: cocarry regress record {file}"
+            "{file}: its figures have format {found}, which lacks some of format {FORMAT} (2 added the openings walked; 3 has all figures, with the keys of `cocarry run --json`); record them again: cocarry regress record {}",
+            shell_word(file)
         )));
     }
     // the file is what `record` is about; the worlds and robots are inputs

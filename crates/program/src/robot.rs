@@ -6,6 +6,7 @@ use super::catalog_robots::ROBOTS;
 use super::file_kind::{self, FileKind};
 use super::output::{Failure, input};
 use super::settings::{SettingArguments, number, plants};
+use super::xacro::XacroArguments;
 use anyhow::anyhow;
 use clap::Args;
 use cocarry::robot::Robot;
@@ -23,6 +24,8 @@ pub(super) struct RobotArguments {
     /// robot]
     #[arg(long, value_name = "FILE")]
     pub robot: Option<PathBuf>,
+    #[command(flatten)]
+    xacro: XacroArguments,
 }
 
 impl RobotArguments {
@@ -51,7 +54,7 @@ impl RobotArguments {
         if self.plant == PlantKind::Point {
             return Ok(Plant::Point);
         }
-        let robot = load_robot(self.robot.as_deref())?;
+        let robot = load_robot_with(self.robot.as_deref(), self.xacro)?;
         if let Some(asked) = text(&POSTURE).filter(|name| robot.posture(name).is_none()) {
             let known = robot.postures.iter().map(|posture| posture.name.as_str());
             let (file, hint) = (&robot.texts.file, suggestion::hint(asked, known.clone()));
@@ -104,10 +107,16 @@ pub(super) fn check_is_file(flag: &str, file: &Path) -> Result<(), Failure> {
     Err(input(anyhow!("{flag} {}: {said}", file.display())))
 }
 
-/// The robot in a file, or the built-in one.
+/// The robot in a file, or the built-in one. A xacro is refused.
 pub(super) fn load_robot(file: Option<&Path>) -> Result<Robot, Failure> {
+    load_robot_with(file, XacroArguments::default())
+}
+
+/// As [`load_robot`], with a xacro expanded where the user asks for it.
+fn load_robot_with(file: Option<&Path>, xacro: XacroArguments) -> Result<Robot, Failure> {
     let Some(file) = file else { return Robot::built_in().map_err(input) };
     check_is_file("--robot", file)?;
     let file = &file_kind::within(file, FileKind::Robot);
-    Robot::load(file).map_err(|error| file_kind::refused(file, FileKind::Robot, error.into()))
+    let robot = Robot::check_expanded(file, xacro.expand()).map_err(|mut faults| faults.swap_remove(0));
+    robot.map_err(|error| file_kind::refused(file, FileKind::Robot, error.into()))
 }

@@ -5,6 +5,7 @@ use super::output::{
     write_file,
 };
 use super::robot::check_is_file;
+use super::xacro::XacroArguments;
 use anyhow::{Error, anyhow};
 use clap::Args;
 use cocarry::geometry::{Footprint, Pose};
@@ -35,6 +36,8 @@ pub(super) struct CheckArguments {
     #[arg(long, value_name = "FILE", value_parser = page)]
     render: Option<PathBuf>,
     #[command(flatten)]
+    xacro: XacroArguments,
+    #[command(flatten)]
     overwrite: OverwriteArguments,
 }
 
@@ -48,7 +51,7 @@ fn page(name: &str) -> Result<PathBuf, String> {
 pub(super) fn run_robot_check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
     check_is_file("robot check", &arguments.robot)?;
     let outputs = arguments.overwrite.outputs([arguments.robot.as_path()], &arguments.render)?;
-    let robot = match Robot::check(&arguments.robot) {
+    let robot = match Robot::check_expanded(&arguments.robot, arguments.xacro.expand()) {
         Ok(robot) => robot,
         Err(faults) => return refused(arguments, faults),
     };

@@ -1,8 +1,10 @@
 //! `cocarry robot init`: drafts a robot file from a URDF.
 
 use super::output::{Failure, OverwriteArguments, counted, examples, input, print, write_file};
+use super::xacro::XacroArguments;
 use clap::{Args, ValueEnum};
 use cocarry::robot::{Draft, DraftRequest, DriveKind};
+use cocarry::suggestion::shell_word;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -10,7 +12,7 @@ use std::process::ExitCode;
 ///
 /// What was assumed is printed; edit the file where that is wrong. Postures come from inverse kinematics with
 /// random starts, the same for every call, best first: far from the joints' limits and from singular
-/// configurations, with the arm above the base. A xacro is expanded where the program `xacro` is installed.
+/// configurations, with the arm above the base. A xacro is refused without --xacro.
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
     ("cocarry robot init tiago.urdf", "tiago.toml, next to the URDF"),
@@ -40,6 +42,8 @@ pub(super) struct InitArguments {
     /// has a posture]
     #[arg(long, value_name = "M", value_parser = height)]
     grasp_height: Option<f64>,
+    #[command(flatten)]
+    xacro: XacroArguments,
     #[command(flatten)]
     overwrite: OverwriteArguments,
 }
@@ -79,7 +83,7 @@ fn height(text: &str) -> Result<f64, String> {
 }
 
 pub(super) fn run_robot_init(arguments: &InitArguments) -> Result<ExitCode, Failure> {
-    let InitArguments { urdf, output, tool, drive, left_wheel, right_wheel, grasp_height, overwrite } =
+    let InitArguments { urdf, output, tool, drive, left_wheel, right_wheel, grasp_height, xacro, overwrite } =
         arguments;
     let next_to_urdf = || match urdf.extension().is_some_and(|e| e.eq_ignore_ascii_case("xacro")) {
         true => urdf.with_extension("").with_extension("toml"),
@@ -94,16 +98,21 @@ pub(super) fn run_robot_init(arguments: &InitArguments) -> Result<ExitCode, Fail
         grasp_height: *grasp_height,
     };
     let named = name_from(urdf, &file);
-    let draft = Draft::new(urdf, &named, &file.display().to_string(), &request).map_err(input)?;
+    let as_named = file.display().to_string();
+    let draft = match xacro.expand() {
+        Some(expand) => Draft::expanded(urdf, &named, &as_named, &request, expand),
+        None => Draft::new(urdf, &named, &as_named, &request),
+    };
+    let draft = draft.map_err(input)?;
     write_file(&outputs, &file, &draft.text)?;
     let notes = draft.robot.warnings.iter().map(ToString::to_string);
     let lines: String =
         draft.assumed.iter().cloned().chain(notes).map(|line| format!("- {line}\n")).collect();
-    let file = file.display();
+    let word = shell_word(&as_named);
     print(&format!(
-        "wrote {file}: {}, {}\n\nAssumed\n{lines}\nTry:\n  \
-        cocarry robot check {file}\n  \
-        cocarry run environment-1 --robot {file} --render episode.html\n",
+        "wrote {as_named}: {}, {}\n\nAssumed\n{lines}\nTry:\n  \
+        cocarry robot check {word}\n  \
+        cocarry run environment-1 --robot {word} --render episode.html\n",
         counted(draft.robot.joint_count(), "joint"),
         counted(draft.robot.postures.len(), "posture"),
     ))?;

@@ -8,7 +8,6 @@ use cocarry::arithmetic;
 use cocarry::episode::Episode;
 use cocarry::scenario::{PreparedScenario, Snapshot};
 use cocarry_output::output_file::Outputs;
-use std::panic::AssertUnwindSafe;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -67,14 +66,8 @@ impl SnapshotArguments {
     /// a state of its own that is not consistent.
     pub fn guard(&self, act: impl FnOnce() -> Result<ExitCode, Failure>) -> Result<ExitCode, Failure> {
         let Some(file) = &self.resume else { return act() };
-        let usual = std::panic::take_hook();
         // the error says it
-        std::panic::set_hook(Box::new(|_| {}));
-        let done = std::panic::catch_unwind(AssertUnwindSafe(act));
-        std::panic::set_hook(usual);
-        done.unwrap_or_else(|panic| {
-            let words = panic.downcast_ref::<String>().map(String::as_str);
-            let words = words.or(panic.downcast_ref::<&str>().copied()).unwrap_or("no reason is given");
+        cocarry::guarded::here(act).unwrap_or_else(|words| {
             let file = file.display();
             Err(input(anyhow!("{file}: the state in it is not consistent: the simulation fails: {words}")))
         })

@@ -4,7 +4,7 @@ use super::output::{Failure, write_file};
 use anyhow::{Context, Error};
 use cocarry::quantities::{Fields, Record, TICK, Value, View};
 use cocarry_output::output_file::Outputs;
-use cocarry_studies::table::plain;
+use cocarry_studies::table::{plain, text_cell};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -110,6 +110,6 @@ fn cells(record: &Record) -> Vec<(String, String)> {
 fn cell(value: &Value) -> String {
     match value {
         Value::Flag(flag) => u8::from(*flag).to_string(),
-        value => plain(&json!(value)),
+        value => text_cell(&plain(&json!(value))).into_owned(),
     }
 }

@@ -1,6 +1,7 @@
 //! Tables of results, written as Markdown for people and as CSV and JSON for programs.
 
 use serde_json::{Map, Value};
+use std::borrow::Cow;
 
 /// A table: a text in each cell for people, and the figures behind it for programs.
 #[derive(Clone, Debug, PartialEq)]
@@ -172,7 +173,9 @@ impl Table {
     /// The figures as CSV with keys as headings; empty if there are none.
     pub fn csv(&self) -> Vec<u8> {
         let mut writer = csv::Writer::from_writer(Vec::new());
-        let lines = self.rows.iter().map(|row| row.iter().flat_map(|c| &c.values).map(plain).collect());
+        let lines = self.rows.iter().map(|row| {
+            row.iter().flat_map(|c| &c.values).map(|value| text_cell(&plain(value)).into_owned()).collect()
+        });
         let keys: Vec<String> = self.columns.iter().flat_map(|c| c.keys.clone()).collect();
         for line in [keys].into_iter().chain(lines) {
             // writing to memory does not fail, and every line has all keys
@@ -192,6 +195,14 @@ impl Table {
     }
 }
 
+/// A text as the cell of a CSV file: one that a spreadsheet would take for a formula, and is no number, has an
+/// apostrophe before it, as a spreadsheet marks texts.
+pub fn text_cell(text: &str) -> Cow<'_, str> {
+    let is_formula = text.trim_start_matches('\'').starts_with(['=', '+', '-', '@', '\t', '\r']);
+    let is_text = is_formula && text.parse::<f64>().is_err();
+    if is_text { Cow::Owned(format!("'{text}")) } else { Cow::Borrowed(text) }
+}
+
 /// A value as the text of a cell: null is empty, text has no quotes.
 pub fn plain(value: &Value) -> String {
     match value {
@@ -204,6 +215,16 @@ pub fn plain(value: &Value) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_text_that_a_spreadsheet_would_take_for_a_formula_is_marked_and_a_number_is_not() {
+        for text in ["=1+1", "+a", "-a", "@a", "'=1", "-1+1", "\t=1"] {
+            assert_eq!(text_cell(text), format!("'{text}"));
+        }
+        for text in ["a=1", "-0.5", "+3", "-inf", "", "'a", "1e-9"] {
+            assert_eq!(text_cell(text), text);
+        }
+    }
 
     #[test]
     fn golden_a_table_for_people_and_for_programs() {

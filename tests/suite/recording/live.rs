@@ -262,6 +262,46 @@ fn web_pages_watch_only_from_allowed_origins() {
     child.wait().unwrap();
 }
 
+/// Descriptors that the process has open.
+#[cfg(target_os = "linux")]
+fn descriptors(child: &Child) -> usize {
+    std::fs::read_dir(format!("/proc/{}/fd", child.id())).unwrap().count()
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_viewer_who_leaves_leaves_nothing_behind() {
+    let (mut child, _said, address) = serving(&["--plant", "point", "--live-wait"]);
+    drop(Viewer::connect(&address));
+    let settled = |most: usize| {
+        let begun = Instant::now();
+        while descriptors(&child) > most && begun.elapsed() < Duration::from_secs(10) {
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        descriptors(&child)
+    };
+    std::thread::sleep(Duration::from_millis(500));
+    let before = descriptors(&child);
+    for _ in 0..150 {
+        drop(Viewer::connect(&address));
+    }
+    assert!(settled(before + 8) <= before + 8, "{before} descriptors became {}", descriptors(&child));
+    child.kill().unwrap();
+    child.wait().unwrap();
+}
+
+#[test]
+fn connections_that_send_nothing_keep_nobody_out() {
+    let (mut child, _said, address) = serving(&["--plant", "point", "--live-wait"]);
+    let silent: Vec<TcpStream> = (0..200).map(|_| TcpStream::connect(&address).unwrap()).collect();
+    let begun = Instant::now();
+    let viewer = Viewer::connect(&address);
+    assert!(begun.elapsed() < Duration::from_secs(2), "{:?}", begun.elapsed());
+    drop((silent, viewer));
+    child.kill().unwrap();
+    child.wait().unwrap();
+}
+
 #[test]
 fn a_port_that_is_taken_ends_with_4() {
     let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();

@@ -115,6 +115,7 @@ pub(super) fn run_infer(arguments: &InferArguments) -> Result<ExitCode, Failure>
         tolerance: learning::TolerancePrior { median: arguments.eta_median, log_std: arguments.eta_log_std },
         has_population: !arguments.no_population,
         draws: arguments.draws as usize,
+        keeps_draws: arguments.arviz.is_some(),
         seed: arguments.seed,
     };
     if let Some(people) = arguments.means_of {

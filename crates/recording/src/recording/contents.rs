@@ -9,6 +9,8 @@ use std::io::Read;
 
 /// The largest number of attachments and metadata records that are listed.
 const MAX_RECORDS: usize = 1000;
+/// The largest number of channels that are listed.
+const MAX_CHANNELS: usize = 10_000;
 
 /// The contents of a recording.
 #[derive(Clone, Debug, Default)]
@@ -70,6 +72,10 @@ impl Contents {
                     let encoding = definition.encoding.clone();
                     let fresh = ChannelContents { schema, encoding, ..ChannelContents::default() };
                     contents.channels.entry(definition.topic.clone()).or_insert(fresh);
+                    if contents.channels.len() > MAX_CHANNELS {
+                        let what = format!("has more than {MAX_CHANNELS} channels, too many to list");
+                        return Err(ReadError::Lacks { file, what });
+                    }
                 }
                 Entry::Message(message) => {
                     if let Some(channel) = contents.channels.get_mut(&message.channel.topic) {

@@ -18,7 +18,17 @@ pub(super) struct MessageFile<W: Write + Seek> {
     /// `None` after an error: the crate's writer would otherwise add a summary after the damage.
     writer: Option<Writer<W>>,
     sequences: BTreeMap<u16, u32>,
+    /// The largest number of a channel or schema.
+    defined: u16,
 }
+
+/// The largest number of a channel or schema: the crate's writer overflows at the largest of its type.
+const MAX_DEFINED: u16 = 65_000;
+
+/// A channel or schema for which a file has no number.
+#[derive(Debug, thiserror::Error)]
+#[error("it has more than {MAX_DEFINED} channels or schemas")]
+struct TooMany;
 
 impl<W: Write + Seek> MessageFile<W> {
     pub fn new(to: W) -> Result<Self, Error> {
@@ -29,18 +39,24 @@ impl<W: Write + Seek> MessageFile<W> {
             .chunk_size(Some(1 << 20))
             .disable_seeking(true);
         let writer = options.create(to).map_err(error)?;
-        Ok(Self { writer: Some(writer), sequences: BTreeMap::new() })
+        Ok(Self { writer: Some(writer), sequences: BTreeMap::new(), defined: 0 })
     }
 
     /// Defines a channel. Returns its number.
     pub fn define(&mut self, definition: &Definition) -> Result<u16, Error> {
-        self.with(|writer| {
+        if self.defined >= MAX_DEFINED {
+            return Err(Error::other(TooMany));
+        }
+        let (schema, channel) = self.with(|writer| {
             let schema = match &definition.schema {
                 Some(schema) => writer.add_schema(&schema.name, &schema.encoding, &schema.data)?,
                 None => 0,
             };
-            writer.add_channel(schema, &definition.topic, &definition.encoding, &definition.metadata)
-        })
+            let Definition { topic, encoding, metadata, .. } = definition;
+            Ok((schema, writer.add_channel(schema, topic, encoding, metadata)?))
+        })?;
+        self.defined = self.defined.max(schema).max(channel);
+        Ok(channel)
     }
 
     /// Adds a message at a simulated time (ns).
@@ -89,6 +105,11 @@ impl<W: Write + Seek> MessageFile<W> {
             error(fault)
         })
     }
+}
+
+/// Whether a channel cannot be defined because a file has no more numbers for channels or schemas.
+pub(super) fn is_too_many(error: &Error) -> bool {
+    error.get_ref().is_some_and(|cause| cause.is::<TooMany>())
 }
 
 fn gone() -> Error {

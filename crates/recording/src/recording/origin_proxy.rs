@@ -3,19 +3,24 @@
 //! Foxglove's server does not look at the origin of a connection (RFC 6454). It listens at an address of the
 //! loopback network known to nobody else, and the proxy passes on the connections that it accepts.
 
+use std::collections::BTreeMap;
 use std::collections::hash_map::RandomState;
 use std::hash::{BuildHasher, Hasher};
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// The largest head of a request, bytes, and the longest time to wait for it.
 const MAX_HEAD_BYTES: usize = 16 << 10;
 const HEAD_PATIENCE: Duration = Duration::from_secs(5);
-/// The largest number of connections at a time.
-const MAX_CONNECTIONS: usize = 64;
+/// The largest number of viewers at a time.
+const MAX_VIEWERS: usize = 64;
+/// The largest number of connections that have not sent their request yet; the oldest makes room for another.
+const MAX_HALF_OPEN: usize = 64;
+/// The time to wait where the system has no more descriptors.
+const BETWEEN_TRIES: Duration = Duration::from_millis(50);
 /// Viewers that are always allowed, besides pages from this computer: Foxglove in a browser, and desktop
 /// programs.
 const VIEWERS: [&str; 2] = ["https://app.foxglove.dev", "file://"];
@@ -31,8 +36,33 @@ struct ProxyState {
     /// Allowed origins, besides those that always are; `*` allows all.
     origins: Vec<String>,
     is_open: AtomicBool,
-    connections: AtomicUsize,
-    streams: Mutex<Vec<TcpStream>>,
+    connections: Mutex<Connections>,
+}
+
+/// The connections that are open, in the order in which they came.
+#[derive(Default)]
+struct Connections {
+    next: u64,
+    open: BTreeMap<u64, Connection>,
+}
+
+struct Connection {
+    viewer: TcpStream,
+    /// The other end; `None` until the request is there and allowed.
+    server: Option<TcpStream>,
+}
+
+impl Connection {
+    fn close(&self) {
+        let _ = self.viewer.shutdown(Shutdown::Both);
+        self.server.iter().for_each(|server| drop(server.shutdown(Shutdown::Both)));
+    }
+}
+
+impl Connections {
+    fn half_open(&self) -> impl Iterator<Item = u64> {
+        self.open.iter().filter(|(_, connection)| connection.server.is_none()).map(|(id, _)| *id)
+    }
 }
 
 impl OriginProxy {
@@ -43,8 +73,7 @@ impl OriginProxy {
             server,
             origins: origins.to_vec(),
             is_open: AtomicBool::new(true),
-            connections: AtomicUsize::new(0),
-            streams: Mutex::new(Vec::new()),
+            connections: Mutex::default(),
         });
         let of_thread = state.clone();
         std::thread::spawn(move || {
@@ -52,14 +81,15 @@ impl OriginProxy {
                 if !of_thread.is_open.load(Ordering::SeqCst) {
                     break;
                 }
-                let Ok(viewer) = viewer else { continue };
-                let state = of_thread.clone();
-                std::thread::spawn(move || {
-                    if state.connections.fetch_add(1, Ordering::SeqCst) < MAX_CONNECTIONS {
-                        // a connection that breaks concerns its viewer only
-                        let _ = state.pass(viewer);
-                    }
-                    state.connections.fetch_sub(1, Ordering::SeqCst);
+                let (state, Ok(viewer)) = (of_thread.clone(), viewer) else {
+                    std::thread::sleep(BETWEEN_TRIES);
+                    continue;
+                };
+                // a connection that breaks, or finds no thread, concerns its viewer only
+                let _ = std::thread::Builder::new().spawn(move || {
+                    let Ok(id) = state.enter(&viewer) else { return };
+                    let _ = state.pass(id, viewer);
+                    state.connections().open.remove(&id);
                 });
             }
         });
@@ -75,9 +105,7 @@ impl OriginProxy {
 impl Drop for OriginProxy {
     fn drop(&mut self) {
         self.state.is_open.store(false, Ordering::SeqCst);
-        for stream in self.state.streams().drain(..) {
-            let _ = stream.shutdown(Shutdown::Both);
-        }
+        std::mem::take(&mut self.state.connections().open).values().for_each(Connection::close);
         // wakes the thread that waits for connections
         let mut address = self.address;
         if address.ip().is_unspecified() {
@@ -88,12 +116,36 @@ impl Drop for OriginProxy {
 }
 
 impl ProxyState {
-    fn streams(&self) -> std::sync::MutexGuard<'_, Vec<TcpStream>> {
-        self.streams.lock().unwrap_or_else(PoisonError::into_inner)
+    fn connections(&self) -> std::sync::MutexGuard<'_, Connections> {
+        self.connections.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Notes a connection that is to send its request. Where there are many of these, the oldest is closed, so
+    /// that nobody can keep others out by sending nothing.
+    fn enter(&self, viewer: &TcpStream) -> io::Result<u64> {
+        let viewer = viewer.try_clone()?;
+        let mut connections = self.connections();
+        let (count, oldest) = (connections.half_open().count(), connections.half_open().next());
+        if let Some(oldest) = oldest.filter(|_| count >= MAX_HALF_OPEN) {
+            connections.open.remove(&oldest).iter().for_each(Connection::close);
+        }
+        let id = connections.next;
+        connections.next += 1;
+        connections.open.insert(id, Connection { viewer, server: None });
+        Ok(id)
+    }
+
+    /// Notes the other end of a connection; an error if there are too many viewers, or it is closed already.
+    fn admit(&self, id: u64, server: &TcpStream) -> io::Result<()> {
+        let mut connections = self.connections();
+        let viewers = connections.open.len() - connections.half_open().count();
+        let connection = connections.open.get_mut(&id).filter(|_| viewers < MAX_VIEWERS);
+        connection.ok_or(ErrorKind::ConnectionRefused)?.server = Some(server.try_clone()?);
+        Ok(())
     }
 
     /// Passes one connection on, if its origin is allowed, until either side closes it.
-    fn pass(&self, mut viewer: TcpStream) -> io::Result<()> {
+    fn pass(&self, id: u64, mut viewer: TcpStream) -> io::Result<()> {
         let head = read_head(&mut viewer)?;
         if let Some(origin) = self.refused(&head) {
             let why = format!("{origin}: not an allowed origin; see --live-origin\n");
@@ -106,10 +158,10 @@ impl ProxyState {
         viewer.set_read_timeout(None)?;
         viewer.set_nodelay(true)?;
         let mut server = TcpStream::connect(self.server)?;
+        self.admit(id, &server)?;
         server.set_nodelay(true)?;
         server.write_all(&head)?;
         let (mut from, mut to) = (viewer.try_clone()?, server.try_clone()?);
-        self.streams().extend([viewer.try_clone()?, server.try_clone()?]);
         let ask = std::thread::spawn(move || {
             let _ = io::copy(&mut from, &mut to);
             let _ = to.shutdown(Shutdown::Both);

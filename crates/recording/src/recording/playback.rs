@@ -14,6 +14,9 @@ use std::io::Read;
 /// The largest number of steps that are read: an hour and a half of control periods of 0.2 s.
 const MAX_STEPS: usize = 30_000;
 
+/// The largest coordinate, m: that of a world.
+const MAX_COORDINATE: f64 = 1e6;
+
 /// An episode as its recording tells it.
 #[derive(Clone, Debug)]
 pub struct Playback {
@@ -120,7 +123,12 @@ impl Playback {
             None => playback.frames_of_a_point(),
             Some(_) => transforms.iter().filter_map(|(time, poses)| playback.frame(*time, poses)).collect(),
         };
-        match playback.frames.is_empty() || playback.messages(Channel::Coordination).is_empty() {
+        // as written, unless the file is forged
+        playback.frames.sort_by_key(|frame| frame.time);
+        playback.ahead.sort_by_key(|(time, _)| *time);
+        playback.events.sort_by_key(|event| event.time);
+        let is_standing = playback.frames.last().is_none_or(|frame| frame.time == 0);
+        match is_standing || playback.messages(Channel::Coordination).is_empty() {
             true => Err(lacks("has no complete step, so there is nothing to draw".to_owned())),
             false => Ok(playback),
         }
@@ -173,8 +181,8 @@ impl Playback {
         let mut frames: Vec<Frame> = steps
             .iter()
             .filter_map(|(time, step)| {
-                let yaw = step["heading_deg"].as_f64()?.to_radians();
-                Some(frame(*time, step["x_m"].as_f64()?, step["y_m"].as_f64()?, yaw))
+                let number = |key: &str| step[key].as_f64().filter(|number| is_near(*number));
+                Some(frame(*time, number("x_m")?, number("y_m")?, number("heading_deg")?.to_radians()))
             })
             .collect();
         // the last step's end is known where the team arrived
@@ -189,11 +197,17 @@ impl Playback {
     }
 }
 
+/// Whether a coordinate (m, deg) is one of an episode.
+fn is_near(number: f64) -> bool {
+    number.abs() <= MAX_COORDINATE
+}
+
 /// The path ahead in a `/scene/path` message.
 fn path_ahead(message: &Value) -> Option<Vec<Point>> {
     let ahead = message["entities"].as_array()?.iter().find(|entity| entity["id"] == "ahead")?;
     let points = ahead["lines"][0]["points"].as_array()?;
-    points.iter().map(|p| Some(Point::new(p["x"].as_f64()?, p["y"].as_f64()?))).collect()
+    let number = |value: &Value| value.as_f64().filter(|number| is_near(*number));
+    points.iter().map(|p| Some(Point::new(number(&p["x"])?, number(&p["y"])?))).collect()
 }
 
 /// The poses in the world of a `/tf` message's frames; `None` where they are not a tree, or a number is
@@ -203,6 +217,9 @@ fn poses(message: &Value) -> Option<BTreeMap<String, Pose>> {
         let number = |part: &str, key: &str| t[part][key].as_f64();
         let vector = |part| Some((number(part, "x")?, number(part, "y")?, number(part, "z")?));
         let (x, y, z) = vector("translation")?;
+        if ![x, y, z].into_iter().all(is_near) {
+            return None;
+        }
         let (i, j, k) = vector("rotation")?;
         // those of limbs are rounded
         let turned = UnitQuaternion::try_new(Quaternion::new(number("rotation", "w")?, i, j, k), 1e-6)?;

@@ -1,6 +1,6 @@
 //! Recovery of incomplete and damaged recordings.
 
-use super::file::MessageFile;
+use super::file::{MessageFile, is_too_many};
 use super::provenance::RECOVERED;
 use super::{Entry, ReadError, Reader, RecordingError};
 use cocarry_output::output_file::OutputFile;
@@ -45,7 +45,10 @@ pub fn recover<R: Read>(
     let output = OutputFile::create(to, overwrite).map_err(RecordingError::from)?;
     let name = to.display().to_string();
     // the damaged recording still exists
-    let (recovered, written) = save(reader, output, &name).map_err(RecordingError::begun)?;
+    let (recovered, written) = save(reader, output, &name).map_err(|error| match error {
+        RecoverError::Write(error) => RecoverError::Write(error.begun()),
+        read => read,
+    })?;
     written.finish().map_err(RecordingError::from)?;
     Ok(recovered)
 }
@@ -55,12 +58,13 @@ fn save<R: Read>(
     reader: &mut Reader<R>,
     output: OutputFile,
     name: &str,
-) -> Result<(Recovered, OutputFile), RecordingError> {
+) -> Result<(Recovered, OutputFile), RecoverError> {
     let write = |source| RecordingError::Write { file: name.to_owned(), source };
     let mut file = MessageFile::new(output).map_err(write)?;
     let mut ids = BTreeMap::new();
     let mut recovered = Recovered::default();
     let mut chunk = None;
+    let damaged = reader.name().to_owned();
     loop {
         let entry = match reader.next() {
             Ok(None) => break,
@@ -77,9 +81,15 @@ fn save<R: Read>(
         let written = match entry {
             Entry::Metadata { name, entries } => file.metadata(&name, &entries),
             Entry::Attachment(attachment) => file.attach(&attachment),
-            Entry::Channel { id, definition } => file.define(definition).map(|new| {
-                ids.insert(id, new);
-            }),
+            Entry::Channel { id, definition } => match file.define(definition) {
+                Err(error) if is_too_many(&error) => {
+                    let what = format!("cannot be saved: {error}");
+                    return Err(ReadError::Lacks { file: damaged, what }.into());
+                }
+                defined => defined.map(|new| {
+                    ids.insert(id, new);
+                }),
+            },
             Entry::Message(message) => {
                 (recovered.messages, recovered.until) = (recovered.messages + 1, message.time);
                 // the same chunks, so that a complete recording is copied unchanged

@@ -1,5 +1,6 @@
 //! The belief of a robot that learns about its human at every time, for the 3-D player.
 
+use super::player::figure;
 use crate::recording::{Channel, Playback};
 use serde_json::{Value, json};
 
@@ -20,11 +21,11 @@ const FIGURES: [&str; 8] = [
 /// The belief over time and the human as they are; `None` if the recording's robot does not learn.
 pub(super) fn learned(playback: &Playback) -> Option<Value> {
     let messages = playback.messages(Channel::Learned);
-    let (_, first) = messages.first()?;
+    let (_, first) = messages.iter().find(|(_, message)| is_complete(&message["human"]))?;
     // the plane changes seldom, and is large; eta changes in every step under the robot's lead
     let mut planes: Vec<(&Value, Value)> = Vec::new();
     let mut beliefs = Vec::new();
-    for (time, message) in messages {
+    for (time, message) in messages.iter().filter(|(_, message)| is_complete(&message["human"])) {
         let human = &message["human"];
         let density = &human["density"];
         if planes.last().is_none_or(|(last, _)| *last != density) {
@@ -42,6 +43,26 @@ pub(super) fn learned(playback: &Playback) -> Option<Value> {
         "beliefs": beliefs,
         "humans": humans(playback),
     }))
+}
+
+/// Whether a belief has all that the page shows of it: figures that are numbers, intervals and ranges that are
+/// pairs of them, and a square of densities. A forged one may not.
+fn is_complete(human: &Value) -> bool {
+    let is_figure = |value: &Value| !figure(value.as_f64()).is_null();
+    let is_pair =
+        |value: &Value| value.as_array().is_some_and(|ends| ends.len() == 2 && ends.iter().all(is_figure));
+    let is_range = |value: &Value| {
+        is_pair(value) && value[0].as_f64().zip(value[1].as_f64()).is_some_and(|(a, b)| a < b)
+    };
+    let has_figures = FIGURES.iter().all(|key| match key.ends_with("_interval") {
+        true => is_pair(&human[key]),
+        false => is_figure(&human[key]),
+    });
+    let is_square = human["density"].as_array().is_some_and(|cells| {
+        let side = cells.len().isqrt();
+        side > 0 && side * side == cells.len() && cells.iter().all(is_figure)
+    });
+    has_figures && is_square && ["alpha_range", "gamma_range"].iter().all(|key| is_range(&human[key]))
 }
 
 /// The densities of the cells, for shading, and which cells are in the 95 % region: 1, else 0.

@@ -39,8 +39,8 @@ pub fn player(playback: &Playback, title: &str, robot: Option<&Robot>) -> Result
 
 /// The page with what it shows.
 pub(super) fn filled(episode: &Value) -> String {
-    // inside a script element `</` would end it
-    let text = episode.to_string().replace("</", "<\\/");
+    // inside a script element, `</script` would end it, and `<!--<script` would keep its end from ending it
+    let text = episode.to_string().replace('<', "\\u003c");
     PAGE.replacen(PLACE, &text, 1)
 }
 
@@ -113,6 +113,14 @@ fn seconds(time: u64) -> f64 {
     time as f64 / 1e9
 }
 
+/// The largest magnitude of a figure that the page shows: what is beyond is no figure of an episode.
+const MAX_FIGURE: f64 = 1e9;
+
+/// A figure of a recording; null where it is not a number that the page can show.
+pub(super) fn figure(value: Option<f64>) -> Value {
+    value.filter(|value| value.abs() <= MAX_FIGURE).into()
+}
+
 /// A coordinate (m) or a part of a quaternion, to a tenth of a millimetre: of a picture, not of a figure.
 fn rounded(value: f64) -> f64 {
     // not to -0
@@ -173,7 +181,7 @@ fn options(playback: &Playback) -> Vec<Value> {
         let steps = playback.messages(Channel::Options).iter();
         let of_step = |(_, step): &(u64, Value)| {
             let found = step["options"].as_array()?.iter().find(|o| o["name"] == name)?;
-            Some(found["probability"].clone())
+            Some(figure(found["probability"].as_f64()))
         };
         steps.map(|step| of_step(step).unwrap_or_default()).collect()
     };
@@ -225,7 +233,7 @@ fn steps(playback: &Playback) -> Value {
     const FELT: [&str; 2] = ["grip_force_n", "hand_force_n"];
     let words = |key: &str| {
         let steps = playback.messages(Channel::Coordination).iter();
-        steps.map(|(_, step)| step[key].clone()).collect::<Vec<_>>()
+        steps.map(|(_, step)| step[key].as_str().into()).collect::<Vec<Value>>()
     };
     let mut figures = serde_json::Map::new();
     let tables: [(Channel, &[Quantity], &[&str]); 3] = [
@@ -239,12 +247,14 @@ fn steps(playback: &Playback) -> Value {
         }
         for quantity in table.iter().filter(|quantity| keys.contains(&quantity.key)) {
             let unit = if let Kind::Number(unit) = quantity.kind { unit } else { "" };
+            let values = playback.column(channel, quantity.key);
+            let values: Vec<Value> = values.into_iter().map(|value| figure(Some(value))).collect();
             figures.insert(
                 quantity.key.to_owned(),
                 json!({
                     "unit": unit,
                     "description": quantity.description,
-                    "values": playback.column(channel, quantity.key),
+                    "values": values,
                 }),
             );
         }

@@ -2,6 +2,7 @@
 
 use crate::study::SweepError;
 use cocarry::error::{Error, Place};
+use cocarry::suggestion::shell_word;
 use cocarry_output::output_file::OutputError;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -36,7 +37,7 @@ impl ClusterError {
 
     /// Results without a job; `folder` is where it would be.
     pub(super) fn no_job(results: PathBuf, folder: PathBuf) -> Self {
-        let results = results.display();
+        let results = shell_word(&results.display().to_string());
         Self::at(
             &folder,
             format_args!("there is no such job; `cocarry cluster slurm STUDY -o {results}` creates it"),

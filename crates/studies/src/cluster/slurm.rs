@@ -1,6 +1,7 @@
 //! Slurm: job arrays, and what the scheduler knows about their tasks.
 
 use super::{Array, ClusterError, Job};
+use cocarry::suggestion::shell_word;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
@@ -34,15 +35,10 @@ pub fn script(job: &Job, program: &Path, threads: u64) -> String {
          #SBATCH --open-mode=append\n\
          exec {program} cluster shard {results} \"$((${{1:-0}} + SLURM_ARRAY_TASK_ID))\" \\\n    \
          --threads \"${{SLURM_CPUS_PER_TASK:-{threads}}}\"\n",
-        study = job.description().study.display().to_string().replace('\n', " "),
-        program = quoted(program),
-        results = quoted(job.results()),
+        study = job.description().study.display().to_string().replace(char::is_control, " "),
+        program = shell_word(&program.display().to_string()),
+        results = shell_word(&job.results().display().to_string()),
     )
-}
-
-/// A path as a word of a shell's command.
-fn quoted(path: &Path) -> String {
-    format!("'{}'", path.display().to_string().replace('\'', r"'\''"))
 }
 
 /// The check that no option is one that the job sets.

@@ -6,6 +6,7 @@ use cocarry::episode::prospects;
 use cocarry::error::Place;
 use cocarry::options::OptionSet;
 use cocarry::preference::Prospect;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Largest deviation of an answer's sum from 100, percent: the effect of rounding a few options.
@@ -121,6 +122,7 @@ impl AnswerFile {
         };
         // by participant and world
         let mut given: Vec<Vec<Given>> = Vec::new();
+        let mut known: BTreeMap<&str, usize> = BTreeMap::new();
         for row in &self.rows {
             let Some(w) = answers.situations.iter().position(|s| s.world == row.world) else { continue };
             let options = &answers.situations[w].options;
@@ -129,8 +131,7 @@ impl AnswerFile {
                 let expected = format!("an option of {}: {}", row.world, known.join(", "));
                 return Err(bad_cell(Place::line(&self.file, row.line, "option"), &row.option, &expected));
             };
-            let known = answers.participants.iter().position(|p| *p == row.participant);
-            let p = known.unwrap_or_else(|| {
+            let p = *known.entry(&row.participant).or_insert_with(|| {
                 answers.participants.push(row.participant.clone());
                 given.push(answers.situations.iter().map(|s| vec![None; s.options.len()]).collect());
                 given.len() - 1

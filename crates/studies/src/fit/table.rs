@@ -3,6 +3,7 @@
 use cocarry::Error;
 use cocarry::error::Place;
 use cocarry::located::{self, Source};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// A column by name, and whether it is optional.
@@ -31,8 +32,9 @@ pub(super) struct Line<const N: usize> {
 /// The worlds that rows name, each with the first line that does.
 pub(super) fn named_worlds<'r>(rows: impl Iterator<Item = (&'r str, u64)>) -> Vec<(String, u64)> {
     let mut worlds: Vec<(String, u64)> = Vec::new();
+    let mut known = BTreeSet::new();
     for (name, line) in rows {
-        if worlds.iter().all(|(world, _)| world != name) {
+        if known.insert(name) {
             worlds.push((name.to_owned(), line));
         }
     }

@@ -2,6 +2,7 @@
 
 use super::cell::Cell;
 use super::file::Contents;
+use crate::table::text_cell;
 use cocarry::Error;
 use cocarry::episode::{Episode, Outcome};
 use cocarry::preference::Perception;
@@ -109,7 +110,7 @@ pub(super) fn in_words(inputs: &[String]) -> String {
 /// The line of a file of results with these fields. No field contains a newline.
 pub(super) fn line(fields: impl Iterator<Item = String>) -> Vec<u8> {
     let mut writer = csv::WriterBuilder::new().buffer_capacity(1024).from_writer(Vec::with_capacity(1024));
-    let fields = fields.map(|field| field.replace(['\n', '\r'], " "));
+    let fields = fields.map(|field| text_cell(&field.replace(['\n', '\r'], " ")).into_owned());
     writer.write_record(fields).expect("writing to memory does not fail");
     writer.into_inner().expect("writing to memory does not fail")
 }

@@ -4,7 +4,7 @@
 //! the row, and alpha exactly from the step function at this gamma.
 
 use super::evidence::Perceived;
-use super::population::{Grid, Integrals, along};
+use super::population::{Grid, ROWS, along};
 use crate::parallel::in_parallel;
 use cocarry::learning::{Tolerance, TolerancePrior};
 use cocarry::math;
@@ -36,130 +36,219 @@ pub struct Draws {
 /// The distributions that draws come from.
 pub(super) struct DrawSource<'a> {
     pub belief: &'a Belief,
-    pub people: &'a [Perceived],
+    pub people: People<'a>,
     /// By person; empty without switches.
     pub tolerances: &'a [Tolerance],
     pub tolerance: TolerancePrior,
-    pub crowd: Option<Crowd<'a>>,
+    /// The probabilities of the nodes of the grid; `None` without a population.
+    pub weights: Option<&'a [f64]>,
     pub grid: &'a Grid,
 }
 
-/// A population with its people.
-pub(super) struct Crowd<'a> {
-    /// The probabilities of the nodes.
-    pub weights: &'a [f64],
-    pub integrals: &'a [Integrals],
+/// The people that are drawn.
+#[derive(Clone, Copy)]
+pub(super) enum People<'a> {
+    Each(&'a [Perceived]),
+    /// So many of whom the same is known.
+    Equal(&'a Perceived, usize),
 }
 
-/// One draw.
-struct Draw {
-    population: Option<[f64; 4]>,
-    people: Vec<[f64; 2]>,
-    etas: Vec<f64>,
-    log_density: f64,
+impl People<'_> {
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Each(people) => people.len(),
+            Self::Equal(_, count) => *count,
+        }
+    }
+
+    fn get(&self, person: usize) -> &Perceived {
+        match self {
+            Self::Each(people) => &people[person],
+            Self::Equal(person, _) => person,
+        }
+    }
 }
+
+/// The draws of one person: of alpha, of gamma, and what each adds to the logarithm of the density.
+pub(super) type PersonDraws = [Vec<f64>; 3];
+
+/// The probabilities of the rows of gamma for a person, not scaled.
+enum Rows {
+    /// The integrals along alpha, by alpha's population, for those that are drawn.
+    Population(Vec<Option<[f64; ROWS]>>),
+    Alone(Box<[f64; ROWS]>),
+    /// The cumulated weights of samples instead.
+    Samples(Vec<f64>),
+}
+
+/// People whose draws are in memory at a time.
+const AT_ONCE: usize = 64;
+/// Words of the stream of random numbers that a number takes.
+const WORDS: usize = 2;
 
 impl DrawSource<'_> {
-    /// Draws `length` times in every chain. `stream` tells several sets of draws with one seed apart.
-    pub fn draws(&self, length: usize, seed: u64, stream: u64) -> Draws {
-        let cumulated: Vec<f64> = self.crowd.as_ref().map_or(Vec::new(), |crowd| {
-            let mut sum = 0.0;
-            let add = |weight: &f64| {
-                sum += weight;
-                sum
-            };
-            crowd.weights.iter().map(add).collect()
-        });
-        let alone = self.rows_alone();
-        let chains = in_parallel(CHAINS, &|| (), |chain| {
-            let mut rng = ChaCha8Rng::seed_from_u64(seed);
-            rng.set_stream(stream * CHAINS as u64 + chain as u64);
-            (0..length).map(|_| self.draw(&cumulated, &alone, &mut rng)).collect::<Vec<_>>()
-        });
-        let people = self.people.len();
-        let mut draws = Draws {
-            length,
-            alpha: vec![Vec::new(); people],
-            gamma: vec![Vec::new(); people],
-            ..Draws::default()
+    /// Draws `length` times in every chain; `each` gets every person's draws, in order. `stream` tells several
+    /// sets of draws with one seed apart. People come one after the other, and not draw by draw, so that memory
+    /// does not grow with their number: every number has its place in the stream.
+    pub fn draws(&self, length: usize, seed: u64, stream: u64, mut each: impl FnMut(PersonDraws)) -> Draws {
+        let places = Places::new(self, length, seed, stream);
+        let nodes = self.nodes(&places);
+        let mut draws = Draws { length, log_density: vec![0.0; CHAINS * length], ..Draws::default() };
+        for [a, g] in nodes.iter().flatten().map(|node| self.grid.at(*node)) {
+            let normals = [&self.grid.alpha.normals[a], &self.grid.gamma.normals[g]];
+            let shapes =
+                normals.map(|normal| normal.normal_shape().expect("populations of the grid are normal"));
+            let numbers = [shapes[0].0, shapes[0].1, shapes[1].0, shapes[1].1];
+            draws.population.iter_mut().zip(numbers).for_each(|(all, number)| all.push(number));
+        }
+        // of equal people once
+        let shared = match self.people {
+            People::Equal(person, _) => Some(self.rows(person, nodes.as_deref())),
+            People::Each(_) => None,
         };
-        draws.eta = vec![Vec::new(); self.tolerances.len()];
-        for draw in chains.into_iter().flatten() {
-            for (all, value) in draws.population.iter_mut().zip(draw.population.iter().flatten()) {
-                all.push(*value);
+        let count = self.people.len();
+        for first in (0..count).step_by(AT_ONCE) {
+            let people = in_parallel(AT_ONCE.min(count - first), &|| (), |i| {
+                let person = self.people.get(first + i);
+                match &shared {
+                    Some(rows) => self.person(first + i, rows, nodes.as_deref(), &places),
+                    None => {
+                        let rows = self.rows(person, nodes.as_deref());
+                        self.person(first + i, &rows, nodes.as_deref(), &places)
+                    }
+                }
+            });
+            for person in people {
+                draws.log_density.iter_mut().zip(&person[2]).for_each(|(sum, term)| *sum += term);
+                each(person);
             }
-            for (p, [alpha, gamma]) in draw.people.into_iter().enumerate() {
-                draws.alpha[p].push(alpha);
-                draws.gamma[p].push(gamma);
-            }
-            for (p, eta) in draw.etas.into_iter().enumerate() {
-                draws.eta[p].push(eta);
-            }
-            draws.log_density.push(draw.log_density);
         }
         draws
     }
 
-    /// Without a population: the probability of each person's rows.
-    fn rows_alone(&self) -> Vec<Vec<f64>> {
-        let Belief::Independent { alpha, gamma } = self.belief else { return Vec::new() };
-        let masses = self.grid.row_masses(gamma);
-        let of = |person: &Perceived| {
-            let steps = self.grid.steps(|gamma| person.posterior.steps_at(gamma));
-            self.grid.along_alpha(&steps, alpha).iter().zip(&masses).map(|(a, b)| a * b).collect()
+    /// The draws of eta, by person.
+    pub fn etas(&self, length: usize, seed: u64, stream: u64) -> Vec<Vec<f64>> {
+        let places = Places::new(self, length, seed, stream);
+        in_parallel(self.tolerances.len(), &|| (), |p| {
+            let eta = |draw| self.tolerances[p].quantile(places.eta(draw, p).random());
+            (0..CHAINS * length).map(eta).collect()
+        })
+    }
+
+    /// The population of every draw; `None` without populations.
+    fn nodes(&self, places: &Places) -> Option<Vec<usize>> {
+        let mut sum = 0.0;
+        let add = |weight: &f64| {
+            sum += weight;
+            sum
         };
-        match self.crowd {
-            Some(_) => Vec::new(),
-            None => self.people.iter().map(of).collect(),
+        let cumulated: Vec<f64> = self.weights?.iter().map(add).collect();
+        Some((0..CHAINS * places.length).map(|draw| pick(&cumulated, &mut places.node(draw))).collect())
+    }
+
+    fn rows(&self, person: &Perceived, nodes: Option<&[usize]>) -> Rows {
+        let steps = || self.grid.steps(|gamma| person.posterior.steps_at(gamma));
+        match (nodes, self.belief) {
+            (Some(nodes), _) => {
+                let steps = steps();
+                let mut along = vec![None; self.grid.alpha.normals.len()];
+                for [a, _] in nodes.iter().map(|node| self.grid.at(*node)) {
+                    along[a]
+                        .get_or_insert_with(|| self.grid.along_alpha(&steps, &self.grid.alpha.normals[a]));
+                }
+                Rows::Population(along)
+            }
+            (None, Belief::Independent { alpha, gamma }) => {
+                let (along, masses) = (self.grid.along_alpha(&steps(), alpha), self.grid.row_masses(gamma));
+                Rows::Alone(Box::new(std::array::from_fn(|row| along[row] * masses[row])))
+            }
+            (None, Belief::Samples(set)) => {
+                let mut sum = 0.0;
+                let weights = set.samples().iter().map(|sample| {
+                    sum += sample.weight * person.posterior.density(sample.perception);
+                    sum
+                });
+                Rows::Samples(weights.collect())
+            }
         }
     }
 
-    fn draw(&self, cumulated: &[f64], alone: &[Vec<f64>], rng: &mut ChaCha8Rng) -> Draw {
-        let mut draw = Draw { population: None, people: Vec::new(), etas: Vec::new(), log_density: 0.0 };
-        let node = self.crowd.as_ref().map(|_| pick(cumulated, rng));
-        if let Some([a, g]) = node.map(|node| self.grid.at(node)) {
-            let normals = [&self.grid.alpha.normals[a], &self.grid.gamma.normals[g]];
-            let shapes =
-                normals.map(|normal| normal.normal_shape().expect("populations of the grid are normal"));
-            draw.population = Some([shapes[0].0, shapes[0].1, shapes[1].0, shapes[1].1]);
-        }
-        for (p, person) in self.people.iter().enumerate() {
-            let own = match (&self.crowd, node, self.belief) {
-                (Some(crowd), Some(node), _) => {
-                    let [a, g] = self.grid.at(node);
-                    let rows = self.grid.rows_given(&crowd.integrals[p], [a, g]);
-                    let normals = [self.grid.alpha.normals[a], self.grid.gamma.normals[g]];
-                    Some((rows.to_vec(), normals))
-                }
-                (_, _, Belief::Independent { alpha, gamma }) => Some((alone[p].clone(), [*alpha, *gamma])),
-                _ => None,
+    /// All draws of a person.
+    fn person(&self, p: usize, rows: &Rows, nodes: Option<&[usize]>, places: &Places) -> PersonDraws {
+        let (grid, person) = (self.grid, self.people.get(p));
+        let mut draws: PersonDraws = Default::default();
+        for draw in 0..CHAINS * places.length {
+            let rng = &mut places.person(draw, p);
+            let within = |rows: &[f64], normals: [Marginal; 2], rng: &mut ChaCha8Rng| {
+                let human = person_within(grid, person, rows, &normals, rng);
+                (human, normals[0].density(human.alpha) * normals[1].density(human.gamma))
             };
-            let (human, density) = match (own, self.belief) {
-                (Some((rows, normals)), _) => {
-                    let human = person_within(self.grid, person, &rows, &normals, rng);
-                    (human, normals[0].density(human.alpha) * normals[1].density(human.gamma))
+            let (human, density) = match (rows, self.belief) {
+                (Rows::Population(along), _) => {
+                    let [a, g] = grid.at(nodes.map_or(0, |nodes| nodes[draw]));
+                    let along = along[a].as_ref().expect("integrals of every population drawn");
+                    within(&grid.rows_given(along, g), [grid.alpha.normals[a], grid.gamma.normals[g]], rng)
                 }
-                (None, Belief::Samples(set)) => {
-                    let mut sum = 0.0;
-                    let weights: Vec<f64> = set
-                        .samples()
-                        .iter()
-                        .map(|s| {
-                            sum += s.weight * person.posterior.density(s.perception);
-                            sum
-                        })
-                        .collect();
-                    let sample = set.samples()[pick(&weights, rng)];
+                (Rows::Alone(rows), Belief::Independent { alpha, gamma }) => {
+                    within(&rows[..], [*alpha, *gamma], rng)
+                }
+                (Rows::Samples(weights), Belief::Samples(set)) => {
+                    let sample = set.samples()[pick(weights, rng)];
                     (sample.perception, sample.weight)
                 }
-                (None, _) => continue,
+                _ => unreachable!("the rows are those of the belief"),
             };
             let likelihood = person.posterior.density(human).max(f64::MIN_POSITIVE);
-            draw.log_density += person.log_evidence + math::ln(likelihood) + math::ln(density);
-            draw.people.push([human.alpha, human.gamma]);
+            let term = person.log_evidence + math::ln(likelihood) + math::ln(density);
+            draws.iter_mut().zip([human.alpha, human.gamma, term]).for_each(|(all, number)| all.push(number));
         }
-        draw.etas.extend(self.tolerances.iter().map(|tolerance| tolerance.quantile(rng.random())));
-        draw
+        draws
+    }
+}
+
+/// The places of numbers in the streams of random numbers, one stream for each chain: of a draw first the
+/// population's, then every person's, then every eta.
+struct Places {
+    length: usize,
+    /// Of each chain, at its beginning.
+    chains: [ChaCha8Rng; CHAINS],
+    /// Numbers of the population, of a person, and of all people.
+    numbers: [usize; 3],
+    /// Numbers of a draw.
+    all: usize,
+}
+
+impl Places {
+    fn new(source: &DrawSource, length: usize, seed: u64, stream: u64) -> Self {
+        let chains = std::array::from_fn(|chain| {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            rng.set_stream(stream * CHAINS as u64 + chain as u64);
+            rng
+        });
+        let of_node = usize::from(source.weights.is_some());
+        // the row, gamma in it, the step of alpha, alpha in it
+        let of_person = if matches!(source.belief, Belief::Samples(_)) { 1 } else { 4 };
+        let people = of_person * source.people.len();
+        let all = of_node + people + source.tolerances.len();
+        Self { length, chains, numbers: [of_node, of_person, people], all }
+    }
+
+    fn at(&self, draw: usize, number: usize) -> ChaCha8Rng {
+        let mut rng = self.chains[draw / self.length].clone();
+        rng.set_word_pos((WORDS * (draw % self.length * self.all + number)) as u128);
+        rng
+    }
+
+    fn node(&self, draw: usize) -> ChaCha8Rng {
+        self.at(draw, 0)
+    }
+
+    fn person(&self, draw: usize, person: usize) -> ChaCha8Rng {
+        self.at(draw, self.numbers[0] + self.numbers[1] * person)
+    }
+
+    fn eta(&self, draw: usize, person: usize) -> ChaCha8Rng {
+        self.at(draw, self.numbers[0] + self.numbers[2] + person)
     }
 }
 

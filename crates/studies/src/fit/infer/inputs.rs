@@ -16,6 +16,8 @@ pub struct Settings {
     pub has_population: bool,
     /// Draws of each of four chains.
     pub draws: usize,
+    /// Whether the draws are part of the inference. Without them it takes little memory for every participant.
+    pub keeps_draws: bool,
     /// Seed of the draws.
     pub seed: u64,
 }
@@ -23,7 +25,7 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         let learning::Settings { lapse_rate, tolerance, .. } = learning::Settings::default();
-        Self { lapse_rate, tolerance, has_population: true, draws: 1000, seed: 0 }
+        Self { lapse_rate, tolerance, has_population: true, draws: 1000, keeps_draws: true, seed: 0 }
     }
 }
 

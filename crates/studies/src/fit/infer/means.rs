@@ -66,7 +66,7 @@ pub fn infer_means(
             true => {
                 let share = math::exp(own.log_evidence);
                 let steps = grid.steps(|gamma| own.posterior.steps_at(gamma));
-                grid.integrals(&steps).values.iter().map(|value| (share * value).clamp(0.0, 1.0)).collect()
+                grid.integrals(&steps).iter().map(|value| (share * value).clamp(0.0, 1.0)).collect()
             }
         }
     });

@@ -22,10 +22,11 @@ use crate::parallel::{OnDone, in_parallel};
 use cocarry::Error;
 use cocarry::learning::Tolerance;
 use cocarry::preference::Belief;
-use draws::{Crowd, DrawSource};
+use draws::{DrawSource, People, PersonDraws};
 use evidence::Perceived;
-use population::{Grid, Integrals};
+use population::Grid;
 use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The posterior of one participant.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -67,9 +68,10 @@ pub struct Inference {
     pub held_out: Vec<HeldOut>,
     /// Answers for every option against the predictions; empty with fewer than two worlds.
     pub checks: Vec<OptionCheck>,
-    /// Draws from the posterior: with a population, from that of the population and everybody in it.
+    /// Draws from the posterior: with a population, from that of the population and everybody in it. None of
+    /// people without [`Settings::keeps_draws`].
     pub posterior: Draws,
-    /// Draws from the prior.
+    /// Draws from the prior; empty without [`Settings::keeps_draws`].
     pub prior: Draws,
 }
 
@@ -89,11 +91,8 @@ pub fn infer(
     Tolerance::new(settings.tolerance, settings.lapse_rate)?;
     let mut names: Vec<&String> = answers.iter().flat_map(|answers| &answers.participants).collect();
     let watched = switches.iter().flat_map(|s| s.switches).map(|switch| &switch.participant);
-    for name in watched.chain(walks.iter().map(|walk| &walk.participant)) {
-        if !names.contains(&name) {
-            names.push(name);
-        }
-    }
+    let mut known: BTreeSet<&String> = names.iter().copied().collect();
+    names.extend(watched.chain(walks.iter().map(|walk| &walk.participant)).filter(|name| known.insert(name)));
     let perceived = |p: usize| -> Result<Perceived, Error> {
         let mut perceived = match answers {
             Some(answers) if p < answers.participants.len() => {
@@ -109,42 +108,54 @@ pub fn infer(
     let people: Vec<Perceived> =
         in_parallel(names.len(), on_done, perceived).into_iter().collect::<Result<_, _>>()?;
     // the sets of eta of a participant's episodes with a robot that leads
-    let own = |name: &String| -> Vec<Set> {
-        let switched = switches.iter().flat_map(|s| s.switches).filter(|s| s.participant == *name);
-        let is_led = |walk: &&Walk| walk.participant == *name && walk.etas != [0.0, f64::INFINITY];
-        let walked = walks.iter().filter(is_led).map(|walk| vec![walk.etas]);
-        switched.map(|s| s.etas.clone()).chain(walked).collect()
-    };
-    let has_episodes = names.iter().any(|name| !own(name).is_empty());
+    let switched = switches.iter().flat_map(|s| s.switches).map(|s| (&s.participant, s.etas.clone()));
+    let is_led = |walk: &&Walk| walk.etas != [0.0, f64::INFINITY];
+    let walked = walks.iter().filter(is_led).map(|walk| (&walk.participant, vec![walk.etas]));
+    let mut episodes: BTreeMap<&String, Vec<Set>> = BTreeMap::new();
+    switched.chain(walked).for_each(|(name, set)| episodes.entry(name).or_default().push(set));
+    let own = |name: &String| episodes.get(name).map_or(&[][..], Vec::as_slice);
+    let has_episodes = !episodes.is_empty();
     let file = switches.map(|s| s.file).or(walks.first().map(|walk| walk.file.as_str())).unwrap_or_default();
     let tolerances: Vec<Tolerance> = match has_episodes {
         false => Vec::new(),
         true => names
             .iter()
-            .map(|name| evidence::tolerance(file, name, own(name), settings))
+            .map(|name| evidence::tolerance(file, name, own(name).to_vec(), settings))
             .collect::<Result<_, _>>()?,
     };
     let grid = Grid::new(model.belief.ranges())?;
     let is_sampled = matches!(model.belief, Belief::Samples(_));
     let is_asked = people.iter().any(|person| person.answers + person.sightings > 0);
     let has_population = settings.has_population && is_asked && names.len() > 1 && !is_sampled;
-    let integrals: Vec<Integrals> = match has_population {
-        false => Vec::new(),
-        true => in_parallel(people.len(), on_done, |p| {
-            grid.integrals(&grid.steps(|gamma| people[p].posterior.steps_at(gamma)))
-        }),
-    };
-    let weighed = has_population.then(|| weighed(&grid, &people, &integrals)).flatten();
+    let weighed = has_population.then(|| weighed(&grid, &people, on_done)).flatten();
     let source = DrawSource {
         belief: &model.belief,
-        people: &people,
+        people: People::Each(&people),
         tolerances: &tolerances,
         tolerance: settings.tolerance,
-        crowd: weighed.as_ref().map(|(weights, _)| Crowd { weights, integrals: &integrals }),
+        weights: weighed.as_ref().map(|(weights, _)| weights.as_slice()),
         grid: &grid,
     };
-    let posterior = source.draws(settings.draws, settings.seed, 0);
-    let prior_draws = prior_draws(&source, &prior, settings)?;
+    let drawn = |values: &Vec<f64>| {
+        let weight = 1.0 / values.len() as f64;
+        Figure::of(values.iter().map(|value| (*value, weight)).collect())
+    };
+    let keeps = settings.keeps_draws;
+    let mut within_population = Vec::new();
+    let mut posterior = Draws::default();
+    if keeps || weighed.is_some() {
+        let mut kept = [Vec::new(), Vec::new()];
+        let drawn_of = |[alpha, gamma, _]: PersonDraws| {
+            within_population.extend(weighed.as_ref().map(|_| [drawn(&alpha), drawn(&gamma)]));
+            if keeps {
+                kept.iter_mut().zip([alpha, gamma]).for_each(|(all, own)| all.push(own));
+            }
+        };
+        posterior = source.draws(settings.draws, settings.seed, 0, drawn_of);
+        [posterior.alpha, posterior.gamma] = kept;
+        posterior.eta = if keeps { source.etas(settings.draws, settings.seed, 0) } else { Vec::new() };
+    }
+    let prior_draws = if keeps { prior_draws(&source, &prior, settings)? } else { Draws::default() };
     let population = weighed.as_ref().map(|(weights, evidence)| Population::new(&grid, weights, *evidence));
     let is_compared = answers.is_some_and(|answers| answers.situations.len() > 1);
     let (held_out, checks) = match answers.filter(|_| is_compared) {
@@ -159,10 +170,6 @@ pub fn infer(
             let moments = [estimate.mean[which], variance.max(0.0).sqrt()];
             Figure::new(moments, |share| known.posterior.quantile(which, share))
         };
-        let drawn = |values: &Vec<f64>| {
-            let weight = 1.0 / values.len() as f64;
-            Figure::of(values.iter().map(|value| (*value, weight)).collect())
-        };
         Person {
             participant: (*name).clone(),
             answers: known.answers,
@@ -172,9 +179,7 @@ pub fn infer(
             correlation: covariance / (variance_alpha * variance_gamma).sqrt(),
             information: estimate.information,
             log_evidence: known.log_evidence,
-            within_population: population
-                .as_ref()
-                .map(|_| [drawn(&posterior.alpha[p]), drawn(&posterior.gamma[p])]),
+            within_population: within_population.get(p).copied(),
             episodes: own(name).len(),
             eta: tolerances.get(p).filter(|_| !own(name).is_empty()).map(|tolerance| {
                 let [mean, variance] = tolerance.moments();
@@ -193,31 +198,45 @@ pub fn infer(
     })
 }
 
+/// People whose integrals are in memory at a time: half a megabyte each.
+const AT_ONCE: usize = 32;
+
 /// The probabilities of the populations, and the logarithm of the evidence.
-fn weighed(grid: &Grid, people: &[Perceived], integrals: &[Integrals]) -> Option<(Vec<f64>, f64)> {
+fn weighed(grid: &Grid, people: &[Perceived], on_done: OnDone) -> Option<(Vec<f64>, f64)> {
+    let mut logs = vec![0.0; grid.len()];
+    for people in people.chunks(AT_ONCE) {
+        let integrals = in_parallel(people.len(), on_done, |p| {
+            let mut values = grid.integrals(&grid.steps(|gamma| people[p].posterior.steps_at(gamma)));
+            values.iter_mut().for_each(|value| *value = cocarry::math::ln(value.max(0.0)));
+            values
+        });
+        for one in integrals {
+            logs.iter_mut().zip(one).for_each(|(sum, log)| *sum += log);
+        }
+    }
     let evidence: f64 = people.iter().map(|person| person.log_evidence).sum();
-    let log = |node: usize| -> f64 {
-        integrals.iter().map(|one| cocarry::math::ln(one.values[node].max(0.0))).sum::<f64>() + evidence
-    };
-    population::weights(&(0..grid.len()).map(log).collect::<Vec<_>>())
+    logs.iter_mut().for_each(|log| *log += evidence);
+    population::weights(&logs)
 }
 
 /// Draws from the same model without any answers and switches.
 fn prior_draws(source: &DrawSource, prior: &Perceived, settings: &Settings) -> Result<Draws, Error> {
-    let people = vec![prior.clone(); source.people.len()];
     let tolerance = Tolerance::new(source.tolerance, settings.lapse_rate)?;
     let tolerances = vec![tolerance; source.tolerances.len()];
     let even = vec![1.0 / source.grid.len() as f64; source.grid.len()];
-    let integrals: Vec<Integrals> = match source.crowd {
-        None => Vec::new(),
-        Some(_) => {
-            let one = source.grid.integrals(&source.grid.steps(|gamma| prior.posterior.steps_at(gamma)));
-            vec![one; people.len()]
-        }
+    let source = DrawSource {
+        people: People::Equal(prior, source.people.len()),
+        tolerances: &tolerances,
+        weights: source.weights.map(|_| even.as_slice()),
+        ..*source
     };
-    let crowd = source.crowd.as_ref().map(|_| Crowd { weights: &even, integrals: &integrals });
-    let source = DrawSource { people: &people, tolerances: &tolerances, crowd, ..*source };
-    Ok(source.draws(settings.draws, settings.seed, 1))
+    let mut kept = [Vec::new(), Vec::new()];
+    let mut draws = source.draws(settings.draws, settings.seed, 1, |[alpha, gamma, _]| {
+        kept.iter_mut().zip([alpha, gamma]).for_each(|(all, own)| all.push(own));
+    });
+    [draws.alpha, draws.gamma] = kept;
+    draws.eta = source.etas(settings.draws, settings.seed, 1);
+    Ok(draws)
 }
 
 #[cfg(test)]

@@ -67,15 +67,6 @@ pub(super) struct Grid {
     rows: Vec<[f64; ROWS]>,
 }
 
-/// The integrals of one likelihood over every population.
-#[derive(Clone, Debug)]
-pub(super) struct Integrals {
-    /// By alpha's population and row.
-    pub along_alpha: Vec<[f64; ROWS]>,
-    /// By alpha's population, then gamma's.
-    pub values: Vec<f64>,
-}
-
 impl Grid {
     pub fn new(ranges: [[f64; 2]; 2]) -> Result<Self, Error> {
         let [alpha, gamma] = [Axis::new(ranges[0])?, Axis::new(ranges[1])?];
@@ -119,20 +110,21 @@ impl Grid {
         std::array::from_fn(|row| along(&steps.0[row], alpha))
     }
 
-    pub fn integrals(&self, steps: &Steps) -> Integrals {
-        let along_alpha: Vec<[f64; ROWS]> =
-            self.alpha.normals.iter().map(|normal| self.along_alpha(steps, normal)).collect();
+    /// The integrals of one likelihood over every population: by alpha's, then gamma's.
+    pub fn integrals(&self, steps: &Steps) -> Vec<f64> {
         let mut values = Vec::with_capacity(self.len());
-        for along in &along_alpha {
+        for normal in &self.alpha.normals {
+            let along = self.along_alpha(steps, normal);
             let of = |rows: &[f64; ROWS]| along.iter().zip(rows).map(|(a, b)| a * b).sum::<f64>();
             values.extend(self.rows.iter().map(of));
         }
-        Integrals { along_alpha, values }
+        values
     }
 
-    /// The posterior probability of each row of one person, given alpha's and gamma's population, not scaled.
-    pub fn rows_given(&self, integrals: &Integrals, [alpha, gamma]: [usize; 2]) -> [f64; ROWS] {
-        std::array::from_fn(|row| integrals.along_alpha[alpha][row] * self.rows[gamma][row])
+    /// The posterior probability of each row of one person, given the integrals along alpha by alpha's
+    /// population, and gamma's population, not scaled.
+    pub fn rows_given(&self, along_alpha: &[f64; ROWS], gamma: usize) -> [f64; ROWS] {
+        std::array::from_fn(|row| along_alpha[row] * self.rows[gamma][row])
     }
 
     fn quantity(&self, which: usize, node: usize) -> f64 {
@@ -270,7 +262,7 @@ mod tests {
                 }
             }
             wanted /= f64::from(points * points);
-            let found = evidence * integrals.values[node];
+            let found = evidence * integrals[node];
             assert!((found - wanted).abs() < 2e-3, "{alpha} {gamma}: {found} {wanted}");
         }
     }

@@ -23,11 +23,8 @@ use parquet::basic::Compression;
 use parquet::errors::{ParquetError, Result};
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
-use std::cell::Cell;
 use std::fs::File;
 use std::io::{self, Read, Write};
-use std::panic::AssertUnwindSafe;
-use std::sync::Once;
 
 /// Rows that are read or written at a time.
 const BATCH: usize = 1024;
@@ -112,25 +109,9 @@ fn value_of<'m>(pairs: Option<&'m Vec<KeyValue>>, key: &str) -> Option<&'m str> 
     pairs?.iter().find(|pair| pair.key == key)?.value.as_deref()
 }
 
-thread_local! {
-    /// Whether this thread reads a file that may be damaged: its panics are errors, and say nothing themselves.
-    static READS_FILE: Cell<bool> = const { Cell::new(false) };
-}
-
 /// Runs a function of the Parquet library, which may panic where a file is damaged.
 fn guarded<T>(read: impl FnOnce() -> Result<T>) -> Result<T> {
-    static HOOK: Once = Once::new();
-    HOOK.call_once(|| {
-        let usual = std::panic::take_hook();
-        std::panic::set_hook(Box::new(move |panic| {
-            if !READS_FILE.get() {
-                usual(panic);
-            }
-        }));
-    });
-    READS_FILE.set(true);
-    let done = std::panic::catch_unwind(AssertUnwindSafe(read));
-    READS_FILE.set(false);
+    let done = cocarry::guarded::here(read);
     done.unwrap_or_else(|_| Err(ParquetError::General("the file is damaged".to_owned())))
 }
 

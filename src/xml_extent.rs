@@ -1,0 +1,135 @@
+//! The extent of an XML text: how deep it is, how many tags it has, and how many attributes a tag has. It is
+//! found in one pass and without recursion, before a parser reads the text that recurses for every element or
+//! compares all attributes of a tag with each other.
+
+/// The largest extent of an XML text that is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct XmlExtent {
+    /// The depth of its elements.
+    pub depth: usize,
+    /// The number of its tags, comments, and the like.
+    pub tags: usize,
+    /// The number of attributes of a tag.
+    pub attributes: usize,
+}
+
+impl XmlExtent {
+    /// The check of a text, by the grammar that `roxmltree` parses. Behind an error of the grammar, where that
+    /// stops, nothing is looked at.
+    ///
+    /// # Errors
+    /// What exceeds the extent, as a sentence without the file.
+    pub fn check(self, text: &str) -> Result<(), String> {
+        let bounded = |found: usize, limit: usize, what: &str| match found <= limit {
+            true => Ok(()),
+            false => Err(format!("{what} = {found}; it must be at most {limit}")),
+        };
+        let (mut depth, mut tags) = (0_usize, 0);
+        let mut rest = text.as_bytes();
+        while let Some(from) = rest.iter().position(|byte| *byte == b'<') {
+            rest = &rest[from..];
+            tags += 1;
+            bounded(tags, self.tags, "number of its tags")?;
+            let behind = match rest {
+                [b'<', b'!', b'-', b'-', within @ ..] => behind(within, b"-->"),
+                [b'<', b'!', b'[', b'C', b'D', b'A', b'T', b'A', b'[', within @ ..] => behind(within, b"]]>"),
+                [b'<', b'!', ..] => {
+                    return Err("it has a document type declaration, which is not read".to_owned());
+                }
+                [b'<', b'?', within @ ..] => behind(within, b"?>"),
+                [b'<', b'/', within @ ..] => {
+                    depth = depth.saturating_sub(1);
+                    behind(within, b">")
+                }
+                [_, within @ ..] => match Tag::read(within) {
+                    None => None,
+                    Some(tag) => {
+                        depth += 1;
+                        bounded(depth, self.depth, "depth of its elements")?;
+                        bounded(tag.attributes, self.attributes, "number of a tag's attributes")?;
+                        depth -= usize::from(tag.is_empty);
+                        Some(&within[tag.length..])
+                    }
+                },
+                [] => None,
+            };
+            let Some(behind) = behind else { return Ok(()) };
+            rest = behind;
+        }
+        Ok(())
+    }
+}
+
+/// What follows the first `end`.
+fn behind<'a>(bytes: &'a [u8], end: &[u8]) -> Option<&'a [u8]> {
+    bytes.windows(end.len()).position(|window| window == end).map(|at| &bytes[at + end.len()..])
+}
+
+/// An opening tag.
+struct Tag {
+    /// The number of its bytes behind `<`.
+    length: usize,
+    attributes: usize,
+    /// Whether it ends its element.
+    is_empty: bool,
+}
+
+impl Tag {
+    /// The tag behind its `<`; `None` where it does not end, or a value has a `<`.
+    fn read(bytes: &[u8]) -> Option<Self> {
+        let (mut quote, mut attributes) = (None, 0);
+        for (i, byte) in bytes.iter().enumerate() {
+            match (quote, *byte) {
+                (_, b'<') => return None,
+                (Some(open), byte) if byte == open => quote = None,
+                (Some(_), _) => {}
+                (None, b'"' | b'\'') => {
+                    quote = Some(*byte);
+                    attributes += 1;
+                }
+                (None, b'>') => {
+                    return Some(Self { length: i + 1, attributes, is_empty: i > 0 && bytes[i - 1] == b'/' });
+                }
+                (None, _) => {}
+            }
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SMALL: XmlExtent = XmlExtent { depth: 3, tags: 12, attributes: 2 };
+
+    #[test]
+    fn closed_form_depth_tags_and_attributes_are_those_of_the_text() {
+        for text in [
+            "<a><b><c/><c></c></b></a>",
+            "<?xml version='1.0'?><a x='>' y=\"/>'\"><b><c/></b></a>",
+            "<a><!-- <b><c><d><e> --><![CDATA[<b><c><d><e>]]><b/></a>",
+            "no tags",
+            "",
+            // errors of the grammar
+            "<a x='<a><a><a><a>",
+            "<a",
+            "<!-- <a><a><a><a>",
+        ] {
+            assert_eq!(SMALL.check(text), Ok(()), "{text}");
+        }
+        for (text, said) in [
+            ("<a><b><c><d/></c></b></a>", "depth of its elements = 4; it must be at most 3"),
+            // what looks like an end is a value, or a comment
+            ("<a x='/>'><a x='/>'><a x='/>'><a>", "depth of its elements = 4"),
+            ("<a><!-- </a></a> --><a><![CDATA[</a>]]><a><?p </a>?><a>", "depth of its elements = 4"),
+            ("<!--></a><a>--><a><a><a><a>", "depth of its elements = 4"),
+            ("<a x='' y='' z=''/>", "number of a tag's attributes = 3; it must be at most 2"),
+            (&"<a/>".repeat(13), "number of its tags = 13; it must be at most 12"),
+            ("<!DOCTYPE a [<!ENTITY b \"c\">]><a/>", "a document type declaration"),
+        ] {
+            let error = SMALL.check(text).unwrap_err();
+            assert!(error.contains(said), "{text}: {error}");
+        }
+    }
+}

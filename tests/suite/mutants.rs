@@ -1,0 +1,189 @@
+//! Files of others, damaged in every way that a few lines can think of: each is read or refused, in little
+//! time, and never ends the program. `COCARRY_MUTANTS=20000` makes more of them than the suite has.
+
+use crate::hostile_meshes::{DAE, with_mesh};
+use crate::spoiled_robot::TOML;
+use cocarry::geometry::Point;
+use cocarry::robot::Robot;
+use cocarry_maps::{Ends, from_map};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// The longest time for a file of a few kilobytes.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// Words that parsers trip over.
+const WORDS: [&str; 16] = [
+    "0",
+    "-1",
+    "1",
+    "4294967295",
+    "4294967296",
+    "18446744073709551615",
+    "1e39",
+    "1e-39",
+    "nan",
+    "-inf",
+    "",
+    "<a>",
+    "\"",
+    "&#48;",
+    "\n",
+    "]]>",
+];
+
+fn count(in_suite: usize) -> usize {
+    std::env::var("COCARRY_MUTANTS").ok().and_then(|count| count.parse().ok()).unwrap_or(in_suite)
+}
+
+/// A copy with one to four changes: of a byte, of a number or word, of a part that is left out, repeated, moved
+/// or cut off.
+fn mutant(seed: &[u8], rng: &mut ChaCha8Rng) -> Vec<u8> {
+    let mut bytes = seed.to_vec();
+    for _ in 0..rng.random_range(1..5) {
+        let length = bytes.len().max(1);
+        let at = rng.random_range(0..length).min(bytes.len());
+        let end = (at + rng.random_range(1..(length / 4).max(2))).min(bytes.len());
+        match rng.random_range(0..8) {
+            0 if at < bytes.len() => bytes[at] ^= 1 << rng.random_range(0..8),
+            1 if at < bytes.len() => bytes[at] = rng.random_range(0..=255),
+            // the word that stands here becomes another
+            2..=4 => {
+                let is_word = |byte: &u8| byte.is_ascii_alphanumeric() || b".-+_".contains(byte);
+                let from = bytes[..at].iter().rposition(|byte| !is_word(byte)).map_or(0, |i| i + 1);
+                let to = at + bytes[at..].iter().position(|byte| !is_word(byte)).unwrap_or(0);
+                let word = WORDS[rng.random_range(0..WORDS.len())];
+                bytes.splice(from..to.max(from), word.bytes());
+            }
+            5 => drop(bytes.drain(at..end)),
+            6 => {
+                let part = bytes[at..end].to_vec();
+                let to = rng.random_range(0..=bytes.len());
+                (0..rng.random_range(1..4)).for_each(|_| drop(bytes.splice(to..to, part.iter().copied())));
+            }
+            7 if rng.random_range(0..4) == 0 => bytes.truncate(at),
+            _ => {}
+        }
+    }
+    bytes
+}
+
+/// Reads mutants of these files, and counts which are read and which are refused.
+fn try_all(in_suite: usize, seeds: &[(&str, Vec<u8>)], mut reads: impl FnMut(&str, &[u8]) -> bool) {
+    let mut rng = ChaCha8Rng::seed_from_u64(20_260_801);
+    let mut read = 0;
+    let count = count(in_suite);
+    for i in 0..count {
+        let (extension, seed) = &seeds[i % seeds.len()];
+        let bytes = if i < seeds.len() { seed.clone() } else { mutant(seed, &mut rng) };
+        let begun = Instant::now();
+        let is_read = reads(extension, &bytes);
+        assert!(begun.elapsed() < PATIENCE, "mutant {i} (.{extension}) takes {:?}", begun.elapsed());
+        assert!(is_read || i >= seeds.len(), "seed {i} (.{extension}) is refused");
+        read += usize::from(is_read);
+    }
+    // seeds are read, and some mutants are not
+    assert!(read >= seeds.len() && read < count, "{read} of {count} are read");
+}
+
+/// A tetrahedron as a binary STL.
+pub fn binary_stl(claimed: u32) -> Vec<u8> {
+    let corners = [[0.0, 0.0, 0.0], [0.3, 0.0, 0.0], [0.0, 0.3, 0.0], [0.0, 0.0, 0.3]];
+    let mut bytes = vec![b' '; 80];
+    bytes.extend(claimed.to_le_bytes());
+    for face in [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]] {
+        let numbers = [0.0; 3].into_iter().chain(face.into_iter().flat_map(|corner: usize| corners[corner]));
+        bytes.extend(numbers.flat_map(f32::to_le_bytes));
+        bytes.extend([0, 0]);
+    }
+    bytes
+}
+
+const STL: &str = "solid a\nfacet normal 0 0 -1\nouter loop\nvertex 0 0 0\nvertex 0 .3 0\nvertex .3 0 0\nendloop\nendfacet\nfacet normal 0 -1 0\nouter loop\nvertex 0 0 0\nvertex .3 0 0\nvertex 0 0 .3\nendloop\nendfacet\nendsolid a\n";
+const OBJ: &str = "mtllib a.mtl\no a\nv 0 0 0\nv .3 0 0 1\nv 0 .3 0\nv 0 0 .3\nvt 0 0\nvn 0 0 1\ng a\nusemtl b\nf 1/1/1 3/1/1 2/1/1\nf 1/1/1 2/1/1 4/1/1\ng b\nf -4/1/1 -1/1/1 -2/1/1\nf 2/1/1 3/1/1 4/1/1 1/1/1\n";
+
+#[test]
+fn meshes_that_are_damaged_are_read_or_refused() {
+    let polygons = DAE.replace("<triangles count=\"4\">", "<polylist count=\"4\">");
+    let polygons =
+        polygons.replace("</triangles>", "</polylist>").replace("<p>", "<vcount>3 3 3 3</vcount><p>");
+    let seeds = [
+        ("stl", binary_stl(4)),
+        ("stl", STL.as_bytes().to_vec()),
+        ("obj", OBJ.as_bytes().to_vec()),
+        ("dae", DAE.as_bytes().to_vec()),
+        ("dae", polygons.into_bytes()),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    try_all(500, &seeds, |extension, bytes| {
+        let robot = with_mesh(folder.path(), &format!("mesh.{extension}"), bytes);
+        let robot = robot.unwrap_or_else(|faults| panic!("{faults:?}"));
+        !robot.warnings.iter().any(|warning| warning.to_string().contains("has no shape"))
+    });
+}
+
+#[test]
+fn urdfs_that_are_damaged_are_read_or_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let assets = crate::support::repository("assets/robots");
+    std::fs::copy(assets.join(TOML), folder.path().join(TOML)).unwrap();
+    let urdf = std::fs::read(assets.join("carrier.urdf")).unwrap();
+    try_all(200, &[("urdf", urdf)], |_, bytes| {
+        std::fs::write(folder.path().join("carrier.urdf"), bytes).unwrap();
+        Robot::check(&folder.path().join(TOML)).is_ok()
+    });
+}
+
+const SVG: &str = "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 6 4' width='600' height='400'><style>.w { fill: #333 }</style><defs><g id='d'><rect x='2' y='1' width='.5' height='.5'/></g></defs><g id='walls' transform='translate(0 .1)'><path class='w' d='M0 0 H6 V.2 H0 Z M1 2.6 C1.5 2.2 2 2.2 2.5 2.6 L1.8 3 Z'/><use href='#d'/></g><line x1='3' y1='0' x2='3' y2='1.5' stroke='black' stroke-width='.1'/></svg>";
+const PLAN: &str = "{\"type\":\"FeatureCollection\",\"features\":[{\"type\":\"Feature\",\"properties\":{\"name\":\"a\",\"height_m\":1.5},\"geometry\":{\"type\":\"Polygon\",\"coordinates\":[[[2,1],[3,1],[3,2],[2,2],[2,1]]]}}]}";
+const YAML: &str = "image: grid.pgm\nresolution: 0.1\norigin: [0.0, 0.0, 0.0]\noccupied_thresh: 0.65\nfree_thresh: 0.196\nnegate: 0\n";
+
+/// A map of 6 m by 4 m with an obstacle, as a graymap.
+fn graymap() -> Vec<u8> {
+    let mut bytes = b"P5\n60 40\n255\n".to_vec();
+    let is_obstacle = |x: usize, y: usize| (20..25).contains(&x) && (10..15).contains(&y);
+    bytes.extend((0..60 * 40).map(|i| if is_obstacle(i % 60, i / 60) { 0 } else { 254 }));
+    bytes
+}
+
+#[test]
+fn maps_that_are_damaged_are_read_or_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let ends = Ends {
+        start: Point::new(0.8, 0.8),
+        target: Point::new(5.0, 3.0),
+        robot_width: None,
+        tolerance: None,
+    };
+    let png = {
+        let grey = resvg::tiny_skia::Pixmap::new(60, 40).map(|mut pixels| {
+            pixels.fill(resvg::tiny_skia::Color::WHITE);
+            pixels.encode_png().unwrap()
+        });
+        grey.unwrap()
+    };
+    let seeds = [
+        ("svg", SVG.as_bytes().to_vec()),
+        ("geojson", PLAN.as_bytes().to_vec()),
+        ("yaml", YAML.as_bytes().to_vec()),
+        ("pgm", graymap()),
+        ("png", png),
+    ];
+    let read = |file: &Path| from_map(file, &ends).is_ok();
+    try_all(400, &seeds, |extension, bytes| match extension {
+        "pgm" | "png" => {
+            std::fs::write(path(&format!("grid.{extension}")), bytes).unwrap();
+            std::fs::write(path("grid.yaml"), YAML.replace("grid.pgm", &format!("grid.{extension}")))
+                .unwrap();
+            read(&path("grid.yaml"))
+        }
+        _ => {
+            std::fs::write(path("grid.pgm"), graymap()).unwrap();
+            std::fs::write(path(&format!("map.{extension}")), bytes).unwrap();
+            read(&path(&format!("map.{extension}")))
+        }
+    });
+}
