@@ -87,6 +87,12 @@ class Settings(TypedDict, total=False):
     direction_concentration: float
     """Concentration of the von Mises distribution of the walking direction on an option. Default: 20.0."""
 
+    guide_price: float
+    """Weight of the squared deviation of the base's inputs from those that follow the path; below 10000, eq. (8) decides them as well. Default: 10000.0."""
+
+    guide_width_m: float
+    """How far the base may be from where following the path takes it, in metres; 1000000: no bound. Default: 1000000.0."""
+
     prepare_while_leading: bool
     """Optimise the pose also while the robot leads, for its own path; the paper does so only while it follows. Default: False."""
 

@@ -25,7 +25,9 @@ mod settings;
 
 pub use candidates::{Candidate, CandidateSet, Neighbourhood};
 pub use closed_form::{ClosedForm, ModalReference};
-pub use follow::{Follower, GUIDE_PRICE, TURN_PRICE, rolled, seen_from_base, set_base, turn_toward_grasp};
+pub use follow::{
+    Follower, GUIDE_PRICE, TURN_PRICE, keep_near, rolled, seen_from_base, set_base, turn_toward_grasp,
+};
 pub use intent::Intent;
 pub use limits::{BaseInputs, HalfPlane, Limits};
 pub use manipulator::Manipulator;
@@ -35,7 +37,7 @@ pub use pose::{
     CandidateCost, PoseChoice, PoseOptimiser, PoseProblem, least_singular_value, manipulability, motion_cost,
 };
 pub use qp::Qp;
-pub use settings::{PoseCriterion, Settings};
+pub use settings::{GUIDE_WIDTH_M, PoseCriterion, Settings};
 
 use crate::geometry::{PlanarPose, Pose};
 use crate::robot::{MAX_INPUTS, pose_difference};

@@ -9,7 +9,7 @@ use super::follow::set_base;
 use super::limits::Limits;
 use super::obstacles::{Avoid, RobotObstacles};
 use super::{BaseInputs, ClosedForm, ModalReference, Mpc, PoseCriterion, Reference, Settings, SolveOutcome};
-use crate::robot::{Configuration, InputJacobian, Kinematics, Robot};
+use crate::robot::{BaseInput, Configuration, InputJacobian, Kinematics, Robot};
 
 /// The difference below which costs are equal. The earlier candidate then wins: the present configuration
 /// first, then those nearest to it.
@@ -72,8 +72,9 @@ pub struct PoseProblem<'a> {
     pub weights: &'a [f64],
     /// The obstacles, and the parts of the robot that are kept off them.
     pub obstacles: Option<(&'a RobotObstacles, Avoid)>,
-    /// The base's inputs, if given. The references then cover the arm's part only, and only the arm is
-    /// optimised.
+    /// The base's inputs that follow a path, if it does. Where the guide alone decides them, the references
+    /// cover the arm's part only, and only the arm is optimised; else B's motion by these inputs is part of the
+    /// references.
     pub base: Option<&'a BaseInputs>,
     /// Control period, s.
     pub period: f64,
@@ -85,8 +86,14 @@ impl PoseProblem<'_> {
     /// Eq. (7) without limits at a candidate; of the arm alone where the base's inputs are given.
     fn form(&self, candidate: &Candidate, settings: &Settings) -> ClosedForm {
         let mut jacobian = candidate.jacobian;
-        if self.base.is_some() {
-            jacobian.columns_mut(0, self.robot.drive.inputs()).fill(0.0);
+        if let Some(base) = self.base {
+            let drive = &self.robot.drive;
+            if !settings.is_base_given() {
+                let weights = [settings.state_weight, settings.input_weight];
+                let prices = BaseInput::repeat(settings.guide_price);
+                return ClosedForm::guided(&(jacobian * self.period), weights, drive, base, &prices);
+            }
+            jacobian.columns_mut(0, drive.inputs()).fill(0.0);
         }
         ClosedForm::new(&(jacobian * self.period), settings.state_weight, settings.input_weight)
     }
@@ -173,6 +180,7 @@ impl PoseOptimiser {
         let totals = &self.totals;
         self.order.sort_unstable_by(|&a, &b| totals[a].total_cmp(&totals[b]).then(a.cmp(&b)));
         let options = problem.references.len();
+        let given = problem.base.filter(|_| settings.is_base_given());
         let mut best = f64::INFINITY;
         for &c in &self.order {
             if self.totals[c] > best + TIE {
@@ -189,7 +197,7 @@ impl PoseOptimiser {
                 }
                 if let Some((obstacles, avoid)) = problem.obstacles {
                     let (q, mut inputs) = (&candidate.configuration, form.inputs(&self.modal[o]));
-                    if let Some(base) = problem.base {
+                    if let Some(base) = given {
                         set_base(&problem.robot.drive, &mut inputs, base);
                     }
                     obstacles.half_planes(
@@ -198,10 +206,10 @@ impl PoseOptimiser {
                         q,
                         &inputs,
                         problem.period,
-                        problem.base.is_some(),
+                        given.is_some(),
                         limits,
                     );
-                    if let Some(base) = problem.base {
+                    if let Some(base) = given {
                         let drive = &problem.robot.drive;
                         limits.half_planes.iter_mut().for_each(|plane| plane.settle_base(drive, base));
                     }

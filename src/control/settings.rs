@@ -1,7 +1,27 @@
 //! The weights and choices of eqs. (7) and (8), with the paper's values as defaults.
 
-use super::{Avoid, CandidateSet};
+use super::{Avoid, CandidateSet, GUIDE_PRICE};
 use serde::{Deserialize, Serialize};
+
+/// A distance from the guide that bounds nothing, m.
+pub const GUIDE_WIDTH_M: f64 = 1e6;
+
+// scenarios from before these settings do not have them, and a default value is not written
+fn guide_price() -> f64 {
+    GUIDE_PRICE
+}
+
+fn is_guide_price(price: &f64) -> bool {
+    *price == GUIDE_PRICE
+}
+
+fn guide_width() -> f64 {
+    GUIDE_WIDTH_M
+}
+
+fn is_guide_width(width: &f64) -> bool {
+    *width == GUIDE_WIDTH_M
+}
 
 /// The settings of the controller.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,6 +42,15 @@ pub struct Settings {
     pub prepare_while_leading: bool,
     /// The parts of the robot that are kept off obstacles. The paper's eq. (7) has no obstacles.
     pub avoid: Avoid,
+    /// Weight of the squared deviation (m/s, rad/s) of the base's inputs from those that follow the path of the
+    /// grasp, on the physical plant. Below the default, eq. (8) decides them as well.
+    #[serde(default = "guide_price", skip_serializing_if = "is_guide_price")]
+    pub guide_price: f64,
+    /// The farthest (m) that the base may be, along or across, from where following that path would take it.
+    /// It is a bound of eq. (7) with the price of an obstacle's; by default it is so large that it bounds
+    /// nothing.
+    #[serde(default = "guide_width", skip_serializing_if = "is_guide_width")]
+    pub guide_width: f64,
     /// How sharply a walking direction distinguishes options: the concentration of a von Mises distribution
     /// about an option's direction.
     pub direction_concentration: f64,
@@ -39,8 +68,17 @@ impl Default for Settings {
             criterion: PoseCriterion::Expected,
             prepare_while_leading: false,
             avoid: Avoid::Robot,
+            guide_price: GUIDE_PRICE,
+            guide_width: GUIDE_WIDTH_M,
             direction_concentration: 20.0,
         }
+    }
+}
+
+impl Settings {
+    /// Whether the guide alone decides the base's inputs, and eq. (8) takes them as given.
+    pub fn is_base_given(&self) -> bool {
+        self.guide_price >= GUIDE_PRICE
     }
 }
 

@@ -2,9 +2,9 @@
 
 use super::{Controller, DecisionBasis, Guide, References, Way};
 use crate::control::{
-    Avoid, BaseInputs, Candidate, ClosedForm, GUIDE_PRICE, Intent, Limits, Manipulator, ModalReference, Mpc,
-    Plan, PoseChoice, PoseOptimiser, PoseProblem, SolveOutcome, TURN_PRICE, rolled, seen_from_base,
-    turn_toward_grasp,
+    Avoid, BaseInputs, Candidate, ClosedForm, GUIDE_WIDTH_M, Intent, Limits, Manipulator, ModalReference,
+    Mpc, Plan, PoseChoice, PoseOptimiser, PoseProblem, SolveOutcome, TURN_PRICE, keep_near, rolled,
+    seen_from_base, turn_toward_grasp,
 };
 use crate::coordination::Mode;
 use crate::geometry::{Footprint, PlanarPose, Pose, angle_of, wrap_angle};
@@ -140,7 +140,7 @@ impl<'a> Predictive<'a> {
             let weights = [control.state_weight, control.input_weight];
             let guided = |base, prices| ClosedForm::guided(&b, weights, &robot.drive, base, prices);
             match (base, &turning) {
-                (Some(base), _) => guided(base, &BaseInput::repeat(GUIDE_PRICE)),
+                (Some(base), _) => guided(base, &BaseInput::repeat(control.guide_price)),
                 (None, Some(turning)) => guided(turning, &BaseInput::new(0.0, 0.0, TURN_PRICE)),
                 (None, None) => ClosedForm::new(&b, weights[0], weights[1]),
             }
@@ -148,7 +148,7 @@ impl<'a> Predictive<'a> {
         let free = form(&jacobian);
         self.limits.set(robot, &target, &rates, period);
         let mut to_track = *self.references.to_track();
-        if let Some(base) = base {
+        if let Some(base) = base.filter(|_| control.is_base_given()) {
             to_track += rolled(&robot.drive, &jacobian, base, period);
         }
         if control.avoid != Avoid::Nothing {
@@ -162,6 +162,11 @@ impl<'a> Predictive<'a> {
                 base.is_some(),
                 &mut self.limits,
             );
+        }
+        if let Some(base) = base.filter(|_| control.guide_width < GUIDE_WIDTH_M) {
+            let about = free.inputs(&ModalReference::new(&to_track));
+            let width = control.guide_width;
+            keep_near(&robot.drive, &target.base, &about, (base, width), period, &mut self.limits);
         }
         let mut plan = self.mpc.solve(&free, &self.limits, &to_track);
         let is_limited = matches!(plan.outcome, SolveOutcome::Constrained { active } if active > 0);
@@ -210,6 +215,9 @@ impl Controller for Predictive<'_> {
         if let Some(base) = &base {
             for reference in &mut self.references.references {
                 *reference = seen_from_base(reference, &at.grasp, &q.base, &robot.drive, base, period);
+                if !control.is_base_given() {
+                    *reference += rolled(&robot.drive, &at.jacobian, base, period);
+                }
             }
         }
         let tracked = self.references.tracked;

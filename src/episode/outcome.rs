@@ -201,6 +201,12 @@ pub struct ControlSummary {
     pub tracking: f64,
     /// Sum of ||u||_R^2.
     pub effort: f64,
+    /// The base's part of it.
+    #[serde(default)]
+    pub wheels: f64,
+    /// Sum of ||x - s||_Q^2 against a human who does not wait for the robot.
+    #[serde(default)]
+    pub intended_tracking: f64,
     /// Sum of kappa ||q* - q_c||^2.
     pub pose: f64,
     /// Sum of squared distances between grasp and reference, m^2.
@@ -230,6 +236,8 @@ impl Default for ControlSummary {
         Self {
             tracking: 0.0,
             effort: 0.0,
+            wheels: 0.0,
+            intended_tracking: 0.0,
             pose: 0.0,
             squared_error: 0.0,
             largest_error: 0.0,
@@ -250,6 +258,16 @@ impl ControlSummary {
         self.tracking + self.effort + self.pose
     }
 
+    /// The arm's part of the effort.
+    pub fn arm(&self) -> f64 {
+        self.effort - self.wheels
+    }
+
+    /// C against the intended walk of a human who does not wait for the robot.
+    pub fn intended_cost(&self) -> f64 {
+        self.intended_tracking + self.effort + self.pose
+    }
+
     /// Root mean square distance between grasp and reference over `steps` steps, m.
     pub fn error_rms(&self, steps: u64) -> f64 {
         (self.squared_error / steps.max(1) as f64).sqrt()
@@ -258,6 +276,8 @@ impl ControlSummary {
     pub(super) fn add(&mut self, tick: &RobotTick) {
         self.tracking += tick.tracking_cost;
         self.effort += tick.effort_cost;
+        self.wheels += tick.wheel_cost;
+        self.intended_tracking += tick.intended_cost;
         self.pose += tick.pose_cost;
         self.squared_error += tick.position_error * tick.position_error;
         self.largest_error = self.largest_error.max(tick.position_error);

@@ -35,6 +35,12 @@ pub struct RobotTick {
     pub tracking_cost: f64,
     /// ||u||_R^2.
     pub effort_cost: f64,
+    /// The base's part of it.
+    #[serde(default)]
+    pub wheel_cost: f64,
+    /// ||x - s||_Q^2 against a human who does not wait for the robot, as `tracking_cost`.
+    #[serde(default)]
+    pub intended_cost: f64,
     /// kappa ||q* - q_c||^2.
     pub pose_cost: f64,
     /// Distance between the base and the nearest obstacle at the beginning of the step, m; negative where
@@ -118,6 +124,8 @@ pub(super) struct Period<'p> {
     pub end: Seen<'p>,
     /// s at its end.
     pub goal: PlanarPose,
+    /// s at its end of a human who does not wait for the robot.
+    pub intended: PlanarPose,
     /// Where the team has come.
     pub place: Place,
 }
@@ -154,7 +162,8 @@ impl RobotTick {
         let Seen { configuration: reached, grasp, bodies, .. } = period.end;
         let reached = reached.copied().unwrap_or(configuration);
         let grasp = bodies.map(|bodies| bodies.grasp).or(grasp).unwrap_or_else(Pose::identity);
-        let error = pose_difference(&period.goal.at_height(robot.grasp_height), &grasp);
+        let off = |goal: &PlanarPose| pose_difference(&goal.at_height(robot.grasp_height), &grasp);
+        let error = off(&period.goal);
         Self {
             configuration,
             grasp_goal,
@@ -166,6 +175,8 @@ impl RobotTick {
             orientation_error: error.fixed_rows::<3>(3).norm(),
             tracking_cost: control.state_weight * error.norm_squared(),
             effort_cost: control.input_weight * command.input.norm_squared(),
+            wheel_cost: control.input_weight * robot.base_input(&command.input).norm_squared(),
+            intended_cost: control.state_weight * off(&period.intended).norm_squared(),
             pose_cost: command.pose_cost,
             base_clearance: obstacles.clearance(&configuration.base, &robot.footprint),
             self_contact: robot.self_contact(&reached.joints, poses),
@@ -185,6 +196,8 @@ impl RobotTick {
             outcome: harder(self.outcome, next.outcome),
             tracking_cost: self.tracking_cost + next.tracking_cost,
             effort_cost: self.effort_cost + next.effort_cost,
+            wheel_cost: self.wheel_cost + next.wheel_cost,
+            intended_cost: self.intended_cost + next.intended_cost,
             pose_cost: self.pose_cost + next.pose_cost,
             base_clearance: self.base_clearance.min(next.base_clearance),
             self_contact: self.self_contact.or(next.self_contact),
@@ -202,6 +215,8 @@ impl RobotTick {
             input: self.input * share,
             tracking_cost: self.tracking_cost * share,
             effort_cost: self.effort_cost * share,
+            wheel_cost: self.wheel_cost * share,
+            intended_cost: self.intended_cost * share,
             pose_cost: self.pose_cost * share,
             ..self
         }

@@ -156,7 +156,8 @@ impl Episode<'_> {
         let place = self.walk.locate(&step, &seen);
         let goal = self.walk.grasp_goal(&seen);
         let robot = self.manipulator.zip(begin).map(|(manipulator, begin)| {
-            let period = Period { begin, end: seen, goal, place };
+            let intended = self.walk.intended_grasp(&step, &seen);
+            let period = Period { begin, end: seen, goal, intended, place };
             RobotTick::of(&manipulator, &command, &period, &mut self.body_poses)
         });
         (self.come_to(place.along), robot)

@@ -55,6 +55,9 @@ struct State {
     path_speed: f64,
     /// Intended pose of the object.
     goal: PlanarPose,
+    /// The position along the path of a leader who does not wait, m.
+    #[serde(default)]
+    unhindered: [f64; 2],
 }
 
 impl<'a> InTandem<'a> {
@@ -67,7 +70,7 @@ impl<'a> InTandem<'a> {
         (team_path, goal): (TeamPath, PlanarPose),
         faces_path: bool,
     ) -> Self {
-        let state = State { team_path, path_position: 0.0, path_speed: 0.0, goal };
+        let state = State { team_path, path_position: 0.0, path_speed: 0.0, goal, unhindered: [0.0; 2] };
         Self { free_space, pace, faces_path, state }
     }
 
@@ -165,7 +168,7 @@ impl<'a> InTandem<'a> {
         let out_of_place = grasp.map_or(0.0, |grasp| (self.grasp_goal(seen).position - grasp).norm());
         let yielding = yielding(seen, step.mode);
         let pace = self.pace;
-        let State { team_path, path_position, path_speed, goal } = &mut self.state;
+        let State { team_path, path_position, path_speed, goal, unhindered } = &mut self.state;
         let turn = wrap_angle(team_path.pose(step.path, *path_position).yaw - goal.yaw).abs();
         let turning = share(TURNING_LAG_RAD, turn, 0.1);
         let ahead = match step.travel {
@@ -179,6 +182,15 @@ impl<'a> InTandem<'a> {
         let kept = math::pow(yielding, pace.period / pace.step);
         let given_up = (1.0 - kept) * (*path_position - step.from);
         *path_position += *path_speed * pace.period - given_up;
+        // who does not wait goes on at the pace of the path
+        let [position, speed] = unhindered;
+        if step.mode == Mode::RobotLed || step.travel == Travel::Backward {
+            (*position, *speed) = (*path_position, *path_speed);
+        } else {
+            let on_bend = step.travel.share_on_bend(&pace, |s| team_path.pose(step.path, *position + s));
+            *speed = step.travel.speed_after(*speed, on_bend, &pace);
+            *position = (*position + *speed * pace.period).min(step.path.length().max(*path_position));
+        }
         let following = share(OUT_OF_PLACE_M, out_of_place, 0.2);
         let gently = Pace { yaw_rate: pace.yaw_rate * following, ..pace };
         *goal = gently.toward(goal, &team_path.pose(step.path, *path_position));
@@ -206,9 +218,10 @@ impl Walk for InTandem<'_> {
     fn turn(&mut self, path: &Path, along: f64, next: Path) -> Option<Turned> {
         let (next, end) = self.ended(next);
         let turned = self.turn_at(path, along, (&next, end))?;
-        let State { team_path, path_position, .. } = &mut self.state;
+        let State { team_path, path_position, unhindered, .. } = &mut self.state;
         team_path.leave(path, along);
         *path_position -= along;
+        unhindered[0] -= along;
         Some(self.with_room(turned))
     }
 
@@ -227,6 +240,11 @@ impl Walk for InTandem<'_> {
 
     fn grasp_goal(&self, _: &Seen<'_>) -> PlanarPose {
         self.state.team_path.end(&self.state.goal, -1.0)
+    }
+
+    fn intended_grasp(&self, step: &Step<'_>, _: &Seen<'_>) -> PlanarPose {
+        let State { team_path, unhindered: [position, _], .. } = &self.state;
+        team_path.end(&team_path.pose(step.path, *position), -1.0)
     }
 
     fn advance(&mut self, step: &Step<'_>, seen: &Seen<'_>) -> HumanMotion {

@@ -71,6 +71,12 @@ pub trait Walk: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
     /// s: the pose on the floor that the grasp should have now.
     fn grasp_goal(&self, seen: &Seen<'_>) -> PlanarPose;
 
+    /// The grasp's pose for a human who walks on without waiting for the robot; by default, [`Walk::grasp_goal`].
+    fn intended_grasp(&self, step: &Step<'_>, seen: &Seen<'_>) -> PlanarPose {
+        let _ = step;
+        self.grasp_goal(seen)
+    }
+
     /// Advances the intention of whoever leads by one period. Returns the human's motion in it.
     fn advance(&mut self, step: &Step<'_>, seen: &Seen<'_>) -> HumanMotion;
 

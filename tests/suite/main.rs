@@ -18,6 +18,7 @@ mod fitting;
 mod follow_hand;
 mod footprints;
 mod forged_snapshots;
+mod guide;
 mod hostile_meshes;
 mod hostile_names;
 mod infer;

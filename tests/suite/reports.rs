@@ -351,6 +351,20 @@ fn the_twenty_humans_of_table_2_are_compared_in_pairs() {
     assert!(markdown.contains("Holm's method for the 12 comparisons of this table"));
 }
 
+#[test]
+fn closed_form_the_parts_of_table_3_are_its_c() {
+    let mut rows_of = 0;
+    for name in ["table-3-parts-elbow-up", "table-3-parts-elbow-out", "table-3-all"] {
+        for row in rows(name) {
+            let number = |column: &str| row[column].parse::<f64>().expect("a number");
+            let sum = ["tracking", "effort", "pose"].map(number).iter().sum::<f64>();
+            assert!((sum - number("mean")).abs() < 1e-9 * sum, "{name}: {row:?}");
+            rows_of += 1;
+        }
+    }
+    assert_eq!(rows_of, 32 + 32 + 256);
+}
+
 /// Every comparison of Table III is corrected, and not made where all humans have one outcome; the account of
 /// H3 is in figures of the run.
 #[test]

@@ -4,6 +4,7 @@ mod all;
 mod common;
 mod contacts;
 mod cycles;
+mod guide;
 mod h2;
 mod h3;
 mod h4;
@@ -30,6 +31,8 @@ pub(super) enum Claim {
     /// Table III: control cost with and without pose optimisation, for a leading human with preference
     /// changes
     H3(h3::H3Arguments),
+    /// Table III with bodies, by how much the base is guided (not in the paper)
+    Guide(guide::GuideArguments),
     /// H4 (not in the paper): whether it pays that the robot learns who it carries with, over tasks in a row
     H4(h4::H4Arguments),
     /// Contacts: how often a team with bodies touches the sides of an opening, by the paper's risk S = d_r /
@@ -59,6 +62,7 @@ pub(super) fn run_reproduce(claim: &Claim) -> Result<ExitCode, Failure> {
         Claim::H1(arguments) => run_h1(arguments),
         Claim::H2(arguments) => h2::reproduce_h2(arguments),
         Claim::H3(arguments) => h3::reproduce_h3(arguments),
+        Claim::Guide(arguments) => guide::reproduce_guide(arguments),
         Claim::H4(arguments) => h4::reproduce_h4(arguments),
         Claim::Contacts(arguments) => contacts::reproduce_contacts(arguments),
         Claim::Slots(arguments) => slots::reproduce_slots(arguments),

@@ -28,6 +28,8 @@ pub struct Plan<'a> {
     pub worlds_with_robot: usize,
     /// The same with bodies.
     pub worlds_with_bodies: usize,
+    /// The guides of the base that are compared.
+    pub guides: &'static [h3::guide::Guide],
     /// Number of walks through each opening from each angle.
     pub walks: usize,
     /// Number of turns before and after a slot, the first of [`slots::OFFSETS_M`].
@@ -57,6 +59,7 @@ impl<'a> Plan<'a> {
             worlds: locked::WORLDS,
             worlds_with_robot: locked::WORLDS_WITH_ROBOT,
             worlds_with_bodies: locked::WORLDS_WITH_BODIES,
+            guides: h3::guide::Guide::ALL,
             walks: contacts::WALKS,
             slot_turns: slots::OFFSETS_M.len(),
             slot_walks: slots::WALKS,
@@ -78,6 +81,7 @@ impl<'a> Plan<'a> {
             worlds: 1000,
             worlds_with_robot: 100,
             worlds_with_bodies: 40,
+            guides: h3::guide::Guide::FEW,
             walks: 1,
             slot_turns: 1,
             slot_walks: 1,

@@ -11,6 +11,7 @@ pub use crate::paper::h1::section::table_1;
 pub use crate::paper::h1::weight::answers_picture;
 pub use crate::paper::h2::bodies::table_2_with_bodies;
 pub use crate::paper::h2::section::{example_picture, example_table, table_2};
+pub use crate::paper::h3::guide_section::{guide_picture, guide_tables};
 pub use crate::paper::h3::section::{Compared, ratio_picture, table_3, table_3_ratios};
 pub use crate::paper::h4::section::{learning_tables, people_table};
 pub use crate::paper::part::{Block, Figure, Finding, Part, Plan, Section};
@@ -35,6 +36,7 @@ pub const PARTS: &[Part] = &[
     cycles::section::WITH_BODIES,
     h3::section::PART,
     h3::elsewhere::WITH_BODIES,
+    h3::guide_section::PART,
     h3::elsewhere::OMNIDIRECTIONAL,
     h3::elsewhere::CHOICES,
     h4::section::PART,

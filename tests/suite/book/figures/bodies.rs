@@ -2,7 +2,7 @@
 
 use super::Figure;
 use super::results::{cells, ratio};
-use super::tables::{Row, Tables, counted, grouped, largest, least, line};
+use super::tables::{Row, Tables, counted, grouped, largest, least, line, mean};
 
 pub const FIGURES: &[Figure] = &[
     ("bodies.worlds", |t| grouped(t.row("worlds-with-bodies", &[]).number("worlds"))),
@@ -115,7 +115,97 @@ pub const FIGURES: &[Figure] = &[
             of("manipulability")
         )
     }),
+    ("bodies-table-3.parts", parts),
+    ("bodies-table-3.wheels-share", |t| {
+        let of = |part| mean(&t.column(BODIES_PARTS, &[("method", "with-po")], part));
+        format!("{:.0} %", 100.0 * of("wheels") / of("mean"))
+    }),
+    ("guide.rows", guides),
+    ("guide.episodes", |t| format!("{:.0}", largest(&t.column("guide-arrivals", &[], "episodes")))),
+    ("guide.worlds", |t| format!("{:.0}", t.row("guide-arrivals", DEFAULT_GUIDE).number("worlds"))),
+    ("guide.saving", |t| {
+        let of = |guide: &str| t.row("guide-costs", &[("guide", guide)]).number("cost_with_po");
+        format!("{:.0} %", 100.0 * (1.0 - of(&format!("price {}", least_price(t))) / of("price 10000")))
+    }),
+    ("guide.least", least_price),
 ];
+
+/// The least price down to which no fewer episodes arrive than by default.
+fn least_price(t: &Tables) -> String {
+    let all = |row: &Row| row.number("arrived") + row.number("worlds_arrived");
+    let default = all(t.row("guide-arrivals", DEFAULT_GUIDE));
+    let priced = t.rows("guide-arrivals", &[]);
+    let priced = priced.into_iter().filter(|row| row.text("guide").starts_with("price"));
+    let least = priced.take_while(|row| all(row) >= default).last();
+    least.expect("the default arrives").text("guide").replace("price ", "")
+}
+
+/// The table of the parts of C.
+const BODIES_PARTS: &str = "table-3-bodies-parts-elbow-up";
+const DEFAULT_GUIDE: &[(&str, &str)] = &[("guide", "price 10000")];
+
+/// The parts of C on both plants, means over the cells.
+fn parts(t: &Tables) -> String {
+    let mut text =
+        line(["plant", "", "C", "tracking", "wheels", "arm", "pose", "C, intended walk"]) + &line(["---"; 8]);
+    for (guide, plant) in [("kinematic, free", "kinematic"), ("price 10000", "with bodies")] {
+        let row = t.row("guide-costs", &[("guide", guide)]);
+        for (method, title) in [("without_po", "without PO"), ("with_po", "with PO")] {
+            let parts = ["cost", "tracking", "wheels", "arm", "pose", "intended_cost"];
+            let cells = parts.map(|part| format!("{:.1}", row.number(&format!("{part}_{method}"))));
+            text += &line([plant.to_owned(), title.to_owned()].into_iter().chain(cells));
+        }
+    }
+    text
+}
+
+/// Arrivals and costs by the guide of the base.
+fn guides(t: &Tables) -> String {
+    let titles = [
+        "guide",
+        "Table III arrives",
+        "worlds arrive",
+        "contacts",
+        "lost",
+        "clearance, cm",
+        "C, with PO",
+        "tracking",
+        "wheels",
+        "arm",
+        "ratio",
+        "C, intended walk",
+        "its ratio",
+    ];
+    let mut text = line(titles) + &line(["---"; 13]);
+    for (arrivals, costs) in t.rows("guide-arrivals", &[]).into_iter().zip(t.rows("guide-costs", &[])) {
+        let number = |row: &Row, column: &str, decimals: usize| {
+            row.maybe(column).map_or("-".to_owned(), |number| format!("{number:.decimals$}"))
+        };
+        let sum = |columns: [&str; 2]| {
+            format!("{:.0}", columns.map(|column| arrivals.maybe(column).unwrap_or(0.0)).iter().sum::<f64>())
+        };
+        let has_worlds = arrivals.maybe("worlds").is_some();
+        text += &line([
+            arrivals.text("guide").to_owned(),
+            format!("{} of {}", arrivals.text("arrived"), arrivals.text("episodes")),
+            match has_worlds {
+                true => format!("{} of {}", arrivals.text("worlds_arrived"), arrivals.text("worlds")),
+                false => "-".to_owned(),
+            },
+            sum(["collided", "worlds_collided"]),
+            sum(["lost_object", "worlds_lost_object"]),
+            number(arrivals, "least_clearance_cm", 1),
+            number(costs, "cost_with_po", 0),
+            number(costs, "tracking_with_po", 0),
+            number(costs, "wheels_with_po", 0),
+            number(costs, "arm_with_po", 0),
+            number(costs, "ratio", 3),
+            number(costs, "intended_cost_with_po", 0),
+            number(costs, "intended_ratio", 3),
+        ]);
+    }
+    text
+}
 
 /// The tables of ratios with bodies, by start.
 const UP: &str = "table-3-bodies-ratios-elbow-up";

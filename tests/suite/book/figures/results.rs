@@ -34,6 +34,14 @@ pub const FIGURES: &[Figure] = &[
         format!("{:.0} to {:.0} m", least(&all), largest(&all))
     }),
     ("environment-2.cells", environment_2),
+    ("environment-2.rise", |t| {
+        let paper = ENVIRONMENTS[1].objective_cost;
+        let falls = |costs: &[f64]| costs.windows(2).all(|pair| pair[1] <= pair[0]);
+        assert!(falls(&paper) && falls(&t.column("table-2", &[("environment", "2")], "ours_mean_m")));
+        let [without, five, ten, _] = expected_costs(anew(), &Settings::default(), GRID).expect("a world");
+        assert!(five > without && ten > without, "H2 holds in {ANEW}: it may replace the built-in geometry");
+        format!("{:.1} m with eta 5 and {:.1} m with eta 10.5", five - without, ten - without)
+    }),
     ("risk-weight.least-squares", |t| format!("{:.2} m", risk_weight(t, "least squares", "risk_weight_m"))),
     ("risk-weight.likelihood", |t| format!("{:.2} m", risk_weight(t, "likelihood", "risk_weight_m"))),
     ("risk-weight.lapse", |t| format!("{:.0} %", 100.0 * risk_weight(t, "likelihood", "lapse"))),
@@ -43,6 +51,10 @@ pub const FIGURES: &[Figure] = &[
     ("risk-weight.held-out-likelihood", |t| {
         format!("{:.1}", risk_weight(t, "likelihood", "held_out_rms_points"))
     }),
+    ("table-3.costs-by-default", |t| choice_costs(t, "none", "default")),
+    ("table-3.costs-at-shorter-periods", |t| choice_costs(t, "control period (s)", "0.1")),
+    ("table-3.costs-at-shorter-steps", |t| choice_costs(t, "planning step (s)", "0.1")),
+    ("table-3.costs-at-any-yaw-rate", |t| choice_costs(t, "yaw rate (rad/s)", "not limited")),
     ("cycles.worlds", |t| grouped(t.row("cycles", &[]).number("worlds"))),
     ("cycles.with-choice", |t| grouped(t.row("cycles", &[]).number("with_choice"))),
     ("cycles.changed", |t| grouped(t.row("cycles", &[]).number("with_changes"))),
@@ -108,6 +120,13 @@ pub const FIGURES: &[Figure] = &[
     ("table-3.overlaps-avoided", |t| overlaps(t, "with-po-obstacles")),
 ];
 
+/// The geometry of Environment 2 that was searched for anew.
+const ANEW: &str = "docs/data/environment-2-anew.toml";
+
+fn anew() -> WorldText {
+    WorldText { file: ANEW.to_owned(), text: std::fs::read_to_string(repository(ANEW)).unwrap() }
+}
+
 /// Tables I and II of the geometry that was searched for anew, worked out here, next to the kept ones of the
 /// built-in geometry.
 fn environment_2(t: &Tables) -> String {
@@ -120,8 +139,7 @@ fn environment_2(t: &Tables) -> String {
         choice.probabilities().iter().map(|p| 100.0 * p).collect()
     };
     let paper = &ENVIRONMENTS[1];
-    let file = "docs/data/environment-2-anew.toml";
-    let anew = WorldText { file: file.to_owned(), text: std::fs::read_to_string(repository(file)).unwrap() };
+    let (file, anew) = (ANEW, anew());
     let built_in = |table: &str, column: &str| t.column(table, &[("environment", "2")], column);
     let rows = [
         choices(&World::parse(file, &anew.text).unwrap()),
@@ -249,6 +267,12 @@ fn omnidirectional(t: &Tables) -> String {
     text
 }
 
+/// Mean C without and with pose optimisation where a choice is made otherwise.
+fn choice_costs(t: &Tables, choice: &str, value: &str) -> String {
+    let row = t.row("table-3-choices", &[("choice", choice), ("value", value)]);
+    format!("{:.0} and {:.0}", row.number("cost_without_po"), row.number("cost_with_po"))
+}
+
 /// The mean ratio and that of the worst cell for every value of every choice.
 fn choices(t: &Tables) -> String {
     let cell = |row: &Row| format!("{:.3} ({:.3})", row.number("mean_ratio"), row.number("worst_ratio"));
@@ -260,6 +284,8 @@ fn choices(t: &Tables) -> String {
         ("concentration", "concentration of the walking direction's likelihood", "20"),
         ("walking speed (m/s)", "walking speed, m/s", "0.5"),
         ("kappa", "kappa (given by the paper)", "1"),
+        ("control period (s)", "control period, s", "0.2"),
+        ("planning step (s)", "planning step, s", "0.2"),
     ] {
         let others = of(choice).into_iter().map(|row| format!("{}: {}", row.text("value"), cell(row)));
         text += &line([title, default, &others.collect::<Vec<_>>().join("; ")]);

@@ -1,7 +1,7 @@
 //! H3 elsewhere than in the paper: with bodies, on an omnidirectional base, and with the other choices that
 //! the paper leaves open.
 
-use super::section::{Compared, finding, table_3, table_3_ratios};
+use super::section::{Compared, finding, parts_table, table_3, table_3_ratios};
 use crate::paper::h3::{self, PoseMethod, Study};
 use crate::paper::part::{Block, Finding, Part, Plan, Section, none};
 use crate::parallel::OnDone;
@@ -85,7 +85,11 @@ fn section(
     let rows = Study { plant, starts: &starts, methods, episodes, seed, settings }.table(on_done)?;
     let compared: Vec<Compared> =
         starts.iter().map(|start| Compared { rows: &rows, start, methods }).collect();
-    let tables = compared.iter().flat_map(|of| [table_3(*of), table_3_ratios(*of)]);
+    let is_physical = plant.kind() == PlantKind::Rapier;
+    let tables = compared.iter().flat_map(|of| {
+        let parts = is_physical.then(|| parts_table(*of, plant.kind()));
+        [table_3(*of), table_3_ratios(*of)].into_iter().chain(parts)
+    });
     let mut blocks = vec![Block::Text(text.to_owned())];
     blocks.extend(tables.map(|mut table| {
         table.name = table.name.replacen("table-3", prefix, 1);
@@ -101,8 +105,8 @@ struct Variant {
     set: fn(&mut Settings, &mut control::Settings),
 }
 
-/// The default first.
-const VARIANTS: [Variant; 11] = [
+/// The default first. The authors' public prototype has a period of 0.1 s.
+const VARIANTS: [Variant; 13] = [
     Variant { choice: "none", value: "default", set: |_, _| {} },
     Variant { choice: "yaw rate (rad/s)", value: "0.6", set: |episode, _| episode.yaw_rate = 0.6 },
     Variant { choice: "yaw rate (rad/s)", value: "1.0", set: |episode, _| episode.yaw_rate = 1.0 },
@@ -118,6 +122,12 @@ const VARIANTS: [Variant; 11] = [
     Variant { choice: "walking speed (m/s)", value: "0.8", set: |episode, _| episode.speed = 0.8 },
     Variant { choice: "kappa", value: "0", set: |_, control| control.pose_weight = 0.0 },
     Variant { choice: "kappa", value: "10", set: |_, control| control.pose_weight = 10.0 },
+    Variant {
+        choice: "control period (s)",
+        value: "0.1",
+        set: |episode, _| episode.control_period = Some(0.1),
+    },
+    Variant { choice: "planning step (s)", value: "0.1", set: |episode, _| episode.planning_step = 0.1 },
 ];
 
 /// Humans in each cell: a fifth of those of Table III.
@@ -130,6 +140,8 @@ struct Choice {
     variant: &'static Variant,
     mean: f64,
     worst: f64,
+    /// Mean C over the cells without and with pose optimisation.
+    costs: [f64; 2],
     not_arrived: usize,
 }
 
@@ -146,10 +158,15 @@ fn run_choices(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
         let rows = study.table(on_done)?;
         let compared = Compared { rows: &rows, start, methods };
         let with_po = || rows.iter().filter(|row| row.method == PoseMethod::WithPo);
+        let cost = |method| {
+            let costs: Vec<f64> = rows.iter().filter(|r| r.method == method).map(|r| r.ours_mean).collect();
+            costs.iter().sum::<f64>() / costs.len() as f64
+        };
         choices.push(Choice {
             variant,
             mean: compared.mean_ratio(PoseMethod::WithPo),
             worst: with_po().map(|row| row.ratio).fold(0.0, f64::max),
+            costs: [PoseMethod::WithoutPo, PoseMethod::WithPo].map(cost),
             not_arrived: rows.iter().map(|row| row.not_arrived).sum(),
         });
     }
@@ -177,10 +194,13 @@ fn choices_table(choices: &[Choice]) -> Table {
         .text("value", "value", |c| c.variant.value)
         .number("mean ratio", "mean_ratio", 3, |c| c.mean)
         .number("worst cell", "worst_ratio", 3, |c| c.worst)
+        .number("C without PO", "cost_without_po", 0, |c| c.costs[0])
+        .number("with PO", "cost_with_po", 0, |c| c.costs[1])
         .count("not arrived", "not_arrived", |c| c.not_arrived as u64)
         .table(
             "table-3-choices",
             "C with over without pose optimisation, by choices that the paper leaves open",
         )
         .with_note("concentration: of the likelihood of the walking direction; 0: P_o alone.")
+        .with_note("control period: of eqs. (7) and (8), which then look 0.8 s ahead; the terms of C are means over the periods of a planning step. planning step: C is a sum over twice as many steps.")
 }

@@ -6,6 +6,8 @@
 //! humans: all comparisons are paired.
 
 pub mod elsewhere;
+pub mod guide;
+pub mod guide_section;
 pub mod section;
 
 use super::{ENVIRONMENTS, Environment, SETTINGS};
@@ -165,8 +167,21 @@ pub struct PoseRow {
     pub episodes: usize,
     /// Episodes that cost less than the baseline with the same human.
     pub wins: usize,
-    /// Mean parts of C: tracking, effort, pose.
-    pub parts: [f64; 3],
+    /// Mean parts of C, of the same episodes: tracking, the effort of the base's inputs, that of the arm's,
+    /// pose.
+    pub parts: [f64; 4],
+    /// Mean effort of these episodes, of wheels and arm.
+    pub effort: f64,
+    /// Mean tracking of these episodes against a human who walks on without waiting for the robot. With it in
+    /// place of tracking, C is against the human's intended walk, the paper's s.
+    pub intended_tracking: f64,
+    /// The ratio of that C to the baseline's.
+    pub intended_ratio: f64,
+    /// Smallest distance between the base and an obstacle, m; negative where they overlap.
+    #[serde(rename = "least_clearance_m")]
+    pub least_clearance: f64,
+    /// Episodes that ended because something touched an obstacle.
+    pub collided: usize,
     /// Root mean square distance between grasp and reference, m.
     pub position_error_rms: f64,
     /// Share of the steps in which a limit was active.
@@ -186,6 +201,14 @@ pub struct PoseRow {
 /// Units of work of [`Study::table`], for a progress bar.
 pub fn units(methods: &[PoseMethod], starts: usize, episodes: usize) -> usize {
     ENVIRONMENTS.len() * SETTINGS.len() * starts * methods.len() * episodes
+}
+
+impl PoseRow {
+    /// Mean C against the human's intended walk.
+    pub fn intended_cost(&self) -> f64 {
+        let [_, wheels, arm, pose] = self.parts;
+        self.intended_tracking + wheels + arm + pose
+    }
 }
 
 impl Study<'_> {
@@ -309,6 +332,7 @@ struct EpisodeResult {
     steps: u64,
     lost_object: bool,
     arrived: bool,
+    collided: bool,
     route: Route,
 }
 
@@ -325,6 +349,7 @@ fn follow(mut episode: Episode) -> EpisodeResult {
         steps: summary.steps,
         lost_object: summary.has_lost_object(),
         arrived: outcome == Outcome::Arrived,
+        collided: outcome == Outcome::Collided,
         route: route(summary),
     }
 }
@@ -349,9 +374,12 @@ fn row(
     let (ours_mean, ours_std) = mean_and_std(&ours);
     let routes: BTreeSet<_> =
         (0..n).filter(|&i| both(i)).map(|i| (ends(method)[i].route, ends(baseline)[i].route)).collect();
-    let mean = |part: fn(&ControlSummary) -> f64| {
-        ends(method).iter().map(|e| part(&e.control)).sum::<f64>() / n as f64
+    let of_pairs = |m: usize, part: fn(&ControlSummary) -> f64| {
+        let values: Vec<f64> = (0..n).filter(|&i| both(i)).map(|i| part(&ends(m)[i].control)).collect();
+        mean_and_std(&values).0
     };
+    let parts: [fn(&ControlSummary) -> f64; 4] =
+        [|c| c.tracking, |c| c.wheels, ControlSummary::arm, |c| c.pose];
     let steps: u64 = ends(method).iter().map(|e| e.steps).sum();
     let squared: f64 = ends(method).iter().map(|e| e.control.squared_error).sum();
     let constrained: u64 = ends(method).iter().map(|e| e.control.constrained_steps).sum();
@@ -374,7 +402,13 @@ fn row(
         ways: routes.len(),
         episodes: n,
         wins: ours.iter().zip(&theirs).filter(|(a, b)| a < b).count(),
-        parts: [mean(|c| c.tracking), mean(|c| c.effort), mean(|c| c.pose)],
+        parts: parts.map(|part| of_pairs(method, part)),
+        effort: of_pairs(method, |c| c.effort),
+        intended_tracking: of_pairs(method, |c| c.intended_tracking),
+        intended_ratio: of_pairs(method, ControlSummary::intended_cost)
+            / of_pairs(baseline, ControlSummary::intended_cost),
+        least_clearance: ends(method).iter().map(|e| e.control.least_clearance).fold(f64::INFINITY, f64::min),
+        collided: ends(method).iter().filter(|e| e.collided).count(),
         position_error_rms: (squared / steps as f64).sqrt(),
         constrained_share: constrained as f64 / steps as f64,
         fallback_steps: ends(method).iter().map(|e| e.control.fallback_steps).sum(),

@@ -178,22 +178,34 @@ pub fn table_3_ratios(compared: Compared) -> Table {
 }
 
 /// The composition of C, with and without pose optimisation.
-fn parts_table(compared: Compared) -> Table {
+pub(crate) fn parts_table(compared: Compared, plant: PlantKind) -> Table {
     let pairs = compared.pairs();
     let rows: Vec<&PoseRow> = pairs.iter().flatten().copied().collect();
-    figures(Columns::of(&rows))
+    let has_bodies = plant == PlantKind::Rapier;
+    let columns = figures(Columns::of(&rows), has_bodies);
+    let columns = match has_bodies {
+        true => columns.number("C intended", "intended_mean", 1, |r| r.intended_cost()),
+        false => columns,
+    };
+    let table = columns
         .table(
             &format!("table-3-parts-{}", compared.start),
             format!("Composition of C (means over the episodes); episodes start `{}`", compared.start),
         )
-        .with_note("error: distance of the grasp from its reference, rms over all steps; limited: share of the steps in which a limit was active;")
-        .with_note("overlaps: episodes in which the base overlaps an obstacle; as in the paper, eq. (7) has no obstacles here.")
+        .with_note("error: distance of the grasp from its reference, rms over all steps; limited: share of the steps in which a limit was active;");
+    match has_bodies {
+        true => table
+            .with_note("overlaps: episodes in which the base overlaps an obstacle; wheels, arm: the effort of their inputs; C intended: tracking against the walk of a human who does not wait for the robot, the paper's s."),
+        false => table.with_note(
+            "overlaps: episodes in which the base overlaps an obstacle; as in the paper, eq. (7) has no obstacles here.",
+        ),
+    }
 }
 
 /// Every row of every method and start, for programs.
 fn all_rows(rows: &[PoseRow]) -> Table {
     let rows: Vec<&PoseRow> = rows.iter().collect();
-    let mut table = figures(Columns::of(&rows))
+    let mut table = figures(Columns::of(&rows), false)
         .data("paper_mean", |r| r.paper_mean)
         .data("ratio", |r| r.ratio)
         .data("pairs", |r| r.against_baseline.map(|p| p.difference.n))
@@ -213,16 +225,21 @@ fn all_rows(rows: &[PoseRow]) -> Table {
     table
 }
 
-fn figures<'a>(columns: Columns<'a, &'a PoseRow>) -> Columns<'a, &'a PoseRow> {
-    columns
+/// C of every row and its parts; `is_split`: with the effort of wheels and arm apart.
+fn figures<'a>(columns: Columns<'a, &'a PoseRow>, is_split: bool) -> Columns<'a, &'a PoseRow> {
+    let columns = columns
         .numbered("environment", "environment", |r| r.environment)
         .text("setting", "setting", |r| r.setting)
         .data("start", |r| r.start.as_str())
         .text("method", "method", |r| r.method.name())
         .spread("C", ["mean", "std"], 1, |r| [r.ours_mean, r.ours_std])
-        .number("tracking", "tracking", 1, |r| r.parts[0])
-        .number("effort", "effort", 1, |r| r.parts[1])
-        .number("pose", "pose", 2, |r| r.parts[2])
+        .number("tracking", "tracking", 1, |r| r.parts[0]);
+    let columns = match is_split {
+        true => columns.number("wheels", "wheels", 1, |r| r.parts[1]).number("arm", "arm", 1, |r| r.parts[2]),
+        false => columns.number("effort", "effort", 1, |r| r.effort),
+    };
+    columns
+        .number("pose", "pose", 2, |r| r.parts[3])
         .column("error (mm)", false, &["position_error_rms_m"], |r| Cell {
             shown: format!("{:.1}", 1e3 * r.position_error_rms),
             values: vec![r.position_error_rms.into()],
@@ -292,7 +309,7 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
         svg: ratio_picture(&rows, &starts)?,
     }));
     blocks.extend(starts.iter().map(|start| Block::Table(table_3_ratios(of(start)))));
-    blocks.extend(starts.iter().map(|start| Block::Table(parts_table(of(start)))));
+    blocks.extend(starts.iter().map(|start| Block::Table(parts_table(of(start), PlantKind::Kinematic))));
     blocks.push(Block::Table(all_rows(&rows)));
     Ok(Section { title: "H3: preparing the arm".to_owned(), finding: finding(&all), blocks })
 }
