@@ -1,7 +1,7 @@
 //! Separation of a convex outline that moves, such as that of a base, from one that stands.
 //!
-//! Nothing is allocated. The distance of two polygons that are apart is the least of a corner of one to the
-//! other. Where they overlap it is the depth along the side, of either, that needs the shortest way out.
+//! Nothing is allocated. The distance of two polygons that are apart is the least distance between a corner of
+//! one and the other. Where they overlap, it is the depth along the side, of either, with the shortest way out.
 
 use super::footprint::edges;
 use super::{Footprint, PlanarPose, Point, Vector, direction, left_of};
@@ -14,7 +14,7 @@ pub struct Witness {
     /// The direction from the outline that stands to the one that moves: the gradient of the distance with
     /// the position of the latter. A unit vector.
     pub away: Vector,
-    /// From the origin of the outline that moves to its nearest point, in world axes, m.
+    /// The vector from the origin of the outline that moves to its nearest point, in world axes, m.
     pub lever: Vector,
 }
 
@@ -55,17 +55,18 @@ impl<'f> Placed<'f> {
         nearest
     }
 
-    /// Calls `on_witness` for every pair of a corner and what is nearest to it, at least one. Two that are
-    /// apart: every corner of the moving outline, and those of `other` that are next to one of its sides.
-    /// Where they overlap: the corners along the direction of least penetration. The distance of each changes
-    /// with the pose of the moving outline as that of its nearest point along `away` does.
+    /// Calls `on_witness` for every pair of a corner and the nearest part of the other outline, at least one.
+    /// If the two are apart: for every corner of the moving outline, and for the corners of `other` that are
+    /// next to one of its sides. If they overlap: for the corners along the direction of least penetration.
+    /// With the pose of the moving outline, each distance changes by the motion of its nearest point along
+    /// `away`.
     pub fn witnesses(&self, other: &Footprint, on_witness: impl FnMut(Witness)) {
         self.witnesses_on_motion(other, &[], on_witness);
     }
 
-    /// As [`Placed::witnesses`], of an outline that is also at the poses of `motion`, before and after: where
-    /// any of them overlaps `other`, the direction is that of least penetration of all. A corner that is
-    /// before a wall now, and in its end the next time, is next to that end.
+    /// As [`Placed::witnesses`], for an outline that is also at the poses of `motion`, before and after: where
+    /// any of them overlaps `other`, the direction is the one of least penetration of all. So a corner that is
+    /// in front of a wall now, and inside the wall's end at the next pose, has that end as its nearest part.
     pub fn witnesses_on_motion(
         &self,
         other: &Footprint,

@@ -14,16 +14,18 @@ pub(super) const FULL: usize = 6;
 /// The least singular value (m or rad for a unit joint rate) of a direction in which an arm can move its grasp:
 /// calibrated URDFs have axes that are not quite parallel, and that is not a freedom.
 const MIN_FREE: f64 = 0.01;
-/// Random configurations in which the freedom is looked at.
+/// The number of random configurations in which the freedom is counted.
 const SAMPLES: usize = 16;
 /// How far the grasp of such an arm may be from its height (m) and from its orientation (rad) in a posture:
 /// calibrated URDFs have axes that are not quite parallel.
 pub(super) const HEIGHT_TOLERANCE_M: f64 = 0.002;
 pub(super) const TURN_TOLERANCE_RAD: f64 = 0.005;
 
+/// Iterations of the least squares, at most.
 const STEPS: usize = 100;
 /// Damping, far below the square of any singular value that matters.
 const DAMPING: f64 = 1e-9;
+/// The largest change of a joint in an iteration, rad or m.
 const MAX_STEP: f64 = 0.4;
 /// A step below which the search has converged, rad or m.
 const CONVERGED: f64 = 1e-11;

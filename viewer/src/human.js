@@ -1,14 +1,11 @@
-// The human as a figure: it walks with feet that stay where they are put, and its arms reach the object.
+// The human as a figure: it walks with feet that stay where they are put, and its arms reach the object. Its measures
+// are those of the recording's figure (episode.measures). The recording's gait follows from the distance walked alone;
+// here the whole way is known, so that feet are planted and turning takes steps.
 import {
   CapsuleGeometry, CylinderGeometry, Group, Mesh, MeshLambertMaterial, Quaternion, SphereGeometry, Vector3,
 } from "three";
 import { read } from "./episode.js";
 
-// Lengths in m. The body is as tall as the recording's (1.7 m).
-const HIP = 0.87, HIP_HALF = 0.095, THIGH = 0.43, SHIN = 0.42, ANKLE = 0.075;
-const SHOULDER = 1.36, SHOULDER_HALF = 0.175, UPPER = 0.33, FORE = 0.34;
-// A stride is two steps. A foot is on the floor for this part of it.
-const STRIDE = 0.96, STANCE = 0.62;
 // Turning on the spot takes steps, too: metres of walking per radian.
 const TURNING = 0.25;
 
@@ -17,6 +14,7 @@ const up = new Vector3(0, 0, 1);
 export class Human {
   constructor(episode) {
     this.episode = episode;
+    const measures = this.measures = episode.measures;
     this.group = new Group();
     const material = Object.fromEntries(Object.entries(episode.colours).map(([name, color]) => [name, new MeshLambertMaterial({ color })]));
     const add = (geometry, colour) => {
@@ -25,7 +23,7 @@ export class Human {
       this.group.add(mesh);
       return mesh;
     };
-    const limb = (from, to, colour) => {
+    const limb = ([from, to], colour) => {
       const bone = add(new CylinderGeometry(to, from, 1, 14), colour);
       const joint = add(new SphereGeometry(from, 14, 10), colour);
       const end = add(new SphereGeometry(to, 14, 10), colour);
@@ -38,20 +36,20 @@ export class Human {
       };
     };
     this.pelvis = add(new CapsuleGeometry(0.1, 0.13, 6, 14), "trousers");
-    this.waist = limb(0.122, 0.13, "human");
+    this.waist = limb([0.122, 0.13], "human");
     this.chest = add(new CapsuleGeometry(0.115, 0.17, 6, 16), "human");
-    this.yoke = limb(0.075, 0.075, "human");
-    this.neck = limb(0.055, 0.05, "skin");
+    this.yoke = limb([0.075, 0.075], "human");
+    this.neck = limb([0.055, 0.05], "skin");
     this.head = add(new SphereGeometry(0.105, 22, 16), "skin");
     this.hair = add(new SphereGeometry(0.112, 22, 12, 0, 2 * Math.PI, 0, 1.65), "hair");
     this.nose = add(new SphereGeometry(0.018, 8, 6), "skin");
     this.sides = [1, -1].map((side) => ({
       side,
-      upper: limb(0.066, 0.052, "human"),
-      fore: limb(0.043, 0.035, "skin"),
+      upper: limb(measures.upper_arm.radii_m, "human"),
+      fore: limb(measures.forearm.radii_m, "skin"),
       hand: add(new SphereGeometry(0.048, 12, 8), "skin"),
-      thigh: limb(0.088, 0.064, "trousers"),
-      shin: limb(0.062, 0.047, "trousers"),
+      thigh: limb(measures.thigh.radii_m, "trousers"),
+      shin: limb(measures.shin.radii_m, "trousers"),
       shoe: add(new CapsuleGeometry(0.045, 0.15, 4, 10), "shoes"),
     }));
     this.measure();
@@ -87,21 +85,22 @@ export class Human {
 
   // Where a foot is: planted, or on its way to the next foothold.
   foot(side, distance) {
-    const phase = distance / STRIDE - (side > 0 ? 0 : 0.5);
+    const { hip_m: [, hip], stride_m: stride, stance_share: stance } = this.measures;
+    const phase = distance / stride - (side > 0 ? 0 : 0.5);
     const hold = (n) => {
-      const { at, turned } = this.body((n + (side > 0 ? 0 : 0.5)) * STRIDE);
-      return { at: at.add(new Vector3(0, side * HIP_HALF, 0).applyQuaternion(turned)), turned };
+      const { at, turned } = this.body((n + (side > 0 ? 0 : 0.5)) * stride);
+      return { at: at.add(new Vector3(0, side * hip, 0).applyQuaternion(turned)), turned };
     };
     const n = Math.round(phase);
     const off = phase - n;
     const planted = hold(n);
-    if (Math.abs(off) <= STANCE / 2) {
+    if (Math.abs(off) <= stance / 2) {
       // the heel rises before the foot leaves the floor
-      const heel = Math.max(0, (off - 0.12) / (STANCE / 2 - 0.12));
+      const heel = Math.max(0, (off - 0.12) / (stance / 2 - 0.12));
       return { ...planted, lift: 0.05 * heel, pitch: 0.5 * heel };
     }
     const from = off > 0 ? planted : hold(n - 1), to = off > 0 ? hold(n + 1) : planted;
-    const part = ((off > 0 ? off : 1 + off) - STANCE / 2) / (1 - STANCE);
+    const part = ((off > 0 ? off : 1 + off) - stance / 2) / (1 - stance);
     const smooth = part * part * (3 - 2 * part);
     return {
       at: from.at.lerp(to.at, smooth),
@@ -114,17 +113,19 @@ export class Human {
   // Moves the figure to a place in the recording.
   update(place, torso, hand) {
     const { before, after, part } = place;
+    const { hip_m, shoulder_m, stride_m, ankle_m, reach_m, grip_m, thigh, shin, upper_arm, forearm } = this.measures;
+    const hipHeight = hip_m[2], shoulderHeight = shoulder_m[2];
     const distance = this.walked[before] + part * (this.walked[after] - this.walked[before]);
     const turned = torso.quaternion;
-    const swing = (2 * Math.PI * distance) / STRIDE;
+    const swing = (2 * Math.PI * distance) / stride_m;
     const local = (x, y, z) => new Vector3(x, y, 0).applyQuaternion(turned).add(torso.position).setZ(z);
     const bob = 0.012 * Math.cos(2 * swing), sway = 0.018 * Math.cos(swing);
-    const hips = local(0, sway, HIP + bob);
+    const hips = local(0, sway, hipHeight + 0.02 + bob);
     // the carrier leans back toward what is carried behind
     const chest = local(-0.055, sway * 0.6, 1.24 + bob);
     this.pelvis.position.copy(hips);
     this.pelvis.quaternion.copy(turned);
-    this.waist(local(0, sway, HIP + 0.06 + bob), local(-0.04, sway * 0.7, 1.16 + bob));
+    this.waist(local(0, sway, hipHeight + 0.08 + bob), local(-0.04, sway * 0.7, 1.16 + bob));
     this.chest.position.copy(chest);
     this.chest.quaternion.copy(turned);
     this.chest.scale.set(0.95, 1, 1.25);
@@ -139,21 +140,21 @@ export class Human {
     this.hair.quaternion.copy(turned).multiply(tilt).multiply(dome);
     this.hair.scale.set(1, 1.1, 0.86);
     this.nose.position.copy(head).add(new Vector3(0.108, 0, -0.015).applyQuaternion(turned));
-    this.yoke(local(-0.058, 0.15 + sway * 0.6, SHOULDER + bob), local(-0.058, -0.15 + sway * 0.6, SHOULDER + bob));
+    this.yoke(local(-0.058, 0.15 + sway * 0.6, shoulderHeight + bob), local(-0.058, -0.15 + sway * 0.6, shoulderHeight + bob));
     const half = Math.max(0.035, this.episode.world.object_m[1] / 2);
     for (const parts of this.sides) {
       const { side } = parts;
-      const shoulder = local(-0.06, side * SHOULDER_HALF + sway * 0.6, SHOULDER + bob);
-      const grip = new Vector3(0, side * Math.min(half + 0.012, 0.28), 0).applyQuaternion(hand.quaternion).add(hand.position);
-      const elbow = bent(shoulder, grip, UPPER, FORE, local(-0.6, side * 0.5, 0).sub(local(0, 0, 0)));
+      const shoulder = local(shoulder_m[0], side * shoulder_m[1] + sway * 0.6, shoulderHeight + bob);
+      const grip = new Vector3(0, side * Math.min(half + grip_m, reach_m), 0).applyQuaternion(hand.quaternion).add(hand.position);
+      const elbow = bent(shoulder, grip, upper_arm.length_m, forearm.length_m, local(-0.6, side * 0.5, 0).sub(local(0, 0, 0)));
       parts.upper(shoulder, elbow);
       parts.fore(elbow, grip);
       parts.hand.position.copy(grip);
       const foot = this.foot(side, distance);
       const heading = new Vector3(1, 0, 0).applyQuaternion(foot.turned);
-      const ankle = foot.at.clone().setZ(ANKLE + foot.lift);
-      const hip = local(0, side * HIP_HALF + sway, HIP - 0.02 + bob);
-      const knee = bent(hip, ankle, THIGH, SHIN, heading);
+      const ankle = foot.at.clone().setZ(ankle_m + foot.lift);
+      const hip = local(0, side * hip_m[1] + sway, hipHeight + bob);
+      const knee = bent(hip, ankle, thigh.length_m, shin.length_m, heading);
       parts.thigh(hip, knee);
       parts.shin(knee, ankle);
       const sole = heading.clone().multiplyScalar(0.055);

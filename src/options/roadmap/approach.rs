@@ -10,14 +10,27 @@ use std::f64::consts::TAU;
 /// The first steps of a path from a point.
 #[derive(Clone, Copy, Debug)]
 enum Approach {
+    /// Straight to the site's straight part.
     Straight(Join),
-    Around { ring: usize, touch: Point, from_angle: f64, sweep: f64, next: NodeIndex },
+    /// Straight to the point `touch` of a disc, and around it to the next stop of the ring. Each disc has two
+    /// rings, one for either direction around it.
+    Around {
+        /// Index of the ring, half of which is the disc's.
+        ring: usize,
+        touch: Point,
+        /// The angle of `touch` on the disc, rad.
+        from_angle: f64,
+        /// The signed angle from there to the stop, rad.
+        sweep: f64,
+        next: NodeIndex,
+    },
 }
 
 /// The path from a point to a site.
 #[derive(Clone, Copy, Debug)]
 struct Found {
     approach: Approach,
+    /// The cost by which paths are compared, m.
     cost: f64,
     leg: Leg,
 }
@@ -85,6 +98,7 @@ impl Roadmap {
         }
     }
 
+    /// The cheapest path from `p` to a site: straight, or around discs.
     fn approach(&self, p: Point, site: usize) -> Option<Found> {
         let straight = &self.sites[site].straight;
         let direct = straight.best_join(p);
@@ -102,6 +116,8 @@ impl Roadmap {
         })
     }
 
+    /// The cheapest path from `p` that keeps `clearance` (m) up to its first disc, or to the far end of the
+    /// straight part.
     fn approach_around(&self, p: Point, site: usize, clearance: f64) -> Option<Found> {
         let Site { straight, component, .. } = &self.sites[site];
         let goal = self.paths_to(site);

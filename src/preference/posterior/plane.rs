@@ -11,14 +11,14 @@ use crate::preference::strips::{Domain, Outline};
 use serde::{Deserialize, Serialize};
 
 /// Steps that change no probability by more than this are dropped, and steps along a line that differ by no
-/// more are joined. All of that changes a probability by about 1e-9, and by 1e-6 after the belief has turned
-/// against a change rate of 1e-3.
+/// more are joined. Together, dropping and joining change a probability by about 1e-9, and by 1e-6 after the
+/// belief has turned against a change rate of 1e-3.
 const MIN_MASS: f64 = 1e-12;
 
-/// The most by which that changes the density at a place.
+/// The largest change of the density at a place by dropping or joining.
 const MIN_STEP: f64 = 1e-9;
 
-/// Densities that differ by less than this part of them are of one place, seen from its borders.
+/// Densities that differ by less than this part of them belong to one place, seen from its borders.
 pub(super) const SAME: f64 = 1e-6;
 
 /// The most steps that are kept; beyond it the least ones are dropped.
@@ -30,8 +30,11 @@ const MIN_PIECE: f64 = 2e-11;
 /// A part of a border, with the density's values on both sides.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Segment {
+    /// Index of the border's line.
     pub line: u32,
+    /// Its least gamma.
     pub from: f64,
+    /// Its largest gamma.
     pub to: f64,
     /// The density just below the border.
     pub below: f64,
@@ -88,9 +91,13 @@ pub(super) struct Plane {
     /// Segments of the first line fill the range of gamma and come first, in order.
     pub segments: Vec<Segment>,
     pieces: Vec<Piece>,
+    /// The segments of a product while it is formed.
     next: Vec<Segment>,
+    /// Along one line: gamma, and the change there of the factor on the line.
     events: Vec<(f64, f64)>,
+    /// Along the pieces: index of the piece, gamma, and the change there of the density on the piece.
     crossings: Vec<(u32, f64, f64)>,
+    /// The new index of every line while unused ones are dropped.
     places: Vec<u32>,
 }
 
@@ -153,6 +160,25 @@ impl Plane {
     ) -> Option<f64> {
         self.set_pieces(outline, factors, rule);
         self.next.clear();
+        self.multiply_segments(factors, domain);
+        self.add_borders(domain);
+        let total: f64 = self.next.iter().map(|segment| segment.step * segment.above).sum();
+        let is_possible = total > 1e-250 && total.is_finite();
+        if is_possible {
+            std::mem::swap(&mut self.segments, &mut self.next);
+            for segment in &mut self.segments {
+                segment.below /= total;
+                segment.step /= total;
+            }
+            self.drop_least(domain);
+        }
+        self.drop_unused_lines();
+        is_possible.then_some(total)
+    }
+
+    /// Puts the segments, each times the factor on its line, into `next`, and the changes of the density along
+    /// the pieces into `crossings`.
+    fn multiply_segments(&mut self, factors: &[f64], domain: &Domain) {
         self.crossings.clear();
         for run in self.segments.chunk_by(|a, b| a.line == b.line) {
             let line = &self.lines[run[0].line as usize];
@@ -198,6 +224,10 @@ impl Plane {
                 add(start, segment.to, sum);
             }
         }
+    }
+
+    /// Puts the segments of the pieces, each times the density along it, into `next`.
+    fn add_borders(&mut self, domain: &Domain) {
         self.crossings.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
         let mut rest = self.crossings.as_slice();
         for (index, piece) in self.pieces.iter().enumerate().filter(|(_, piece)| !piece.is_base) {
@@ -211,18 +241,6 @@ impl Plane {
                 self.next.push(part.weighed(&piece.line, domain));
             });
         }
-        let total: f64 = self.next.iter().map(|segment| segment.step * segment.above).sum();
-        let is_possible = total > 1e-250 && total.is_finite();
-        if is_possible {
-            std::mem::swap(&mut self.segments, &mut self.next);
-            for segment in &mut self.segments {
-                segment.below /= total;
-                segment.step /= total;
-            }
-            self.drop_least(domain);
-        }
-        self.drop_unused_lines();
-        is_possible.then_some(total)
     }
 
     /// The borders of the regions whose factors differ, and the least alpha.
@@ -244,6 +262,7 @@ impl Plane {
         }
     }
 
+    /// Drops and joins the least steps, of at most [`MIN_MASS`], or more where too many are left.
     fn drop_least(&mut self, domain: &Domain) {
         let mut least = MIN_MASS;
         loop {
@@ -271,6 +290,7 @@ impl Plane {
         }
     }
 
+    /// Drops lines without segments, except the first one.
     fn drop_unused_lines(&mut self) {
         self.places.clear();
         self.places.resize(self.lines.len(), u32::MAX);

@@ -1,9 +1,9 @@
 //! The filmstrip of an episode: the team at several instants on one map, with phi next to it.
 
 use super::kit::{
-    AXIS_ROOM, Align, BAND, Clutter, GAP, INK, LEFT_ROOM, Legend, LineStyle, MARGIN, PAPER, Plot, TEXT_SIZE,
-    TITLE_ROOM, Text, disc, document_of, frame_title, guide, level, line_sample, polygon, rectangle, stroke,
-    upright,
+    AXIS_ROOM, Align, BAND, Clutter, GAP, INK, LEFT_ROOM, Legend, Letters, LineStyle, MARGIN, PAPER, Plot,
+    TEXT_SIZE, TITLE_ROOM, Text, disc, document_of, guide, lettered_title, level, line_sample, polygon,
+    rectangle, stroke, upright,
 };
 use super::map_view::MapView;
 use super::opening_labels::{PATH_COST, clutter, opening_labels};
@@ -39,6 +39,8 @@ pub struct Film<'a> {
     pub base: &'a Footprint,
     /// The states of the team in time order; at least one.
     pub moments: Vec<Moment>,
+    /// How its pictures have their letters.
+    pub letters: Letters,
 }
 
 /// The team at a time, seen from above.
@@ -112,7 +114,7 @@ impl Film<'_> {
             .set("width", size(width))
             .set("height", size(bottom))
             .add(Self::clip("map", frame))
-            .add(frame_title(&self.world.name, frame.min.x, frame))
+            .add(lettered_title(self.letters, &self.world.name, frame.min.x, frame))
             .add(map)
             .add(layout.view.ends(self.world))
             .add(numbers)
@@ -158,7 +160,7 @@ impl Film<'_> {
         let right = width - MARGIN;
         let room = if is_beside { 0.56 * width } else { right };
         let most = Vector::new(room - LEFT_ROOM, if is_beside { 0.5 * width } else { 0.95 * width });
-        let view = MapView::of(content, Point::new(LEFT_ROOM, top), most);
+        let view = MapView::of(content, Point::new(LEFT_ROOM, top), most).with_letters(self.letters);
         let frame = view.frame();
         if is_beside {
             let min = Point::new(frame.max.x + LEFT_ROOM + GAP, top);
@@ -279,7 +281,7 @@ impl Film<'_> {
         let Some((area, _)) = places.min_by(|a, b| cost(a).total_cmp(&cost(b))) else { return Group::new() };
         clutter.take(area);
         let middle = nalgebra::center(&area.min, &area.max);
-        number_mark(n, middle)
+        number_mark(self.letters, n, middle)
     }
 
     /// phi over time with its threshold, and numbered instants or a cursor.
@@ -292,7 +294,7 @@ impl Film<'_> {
     ) -> Group {
         let last = self.moments.last().map_or(1.0, |m| m.time).max(1e-3);
         let top = self.moments.iter().map(|m| m.stubbornness).fold(1.0, f64::max).min(2.0) * 1.22;
-        let plot = Plot::linear(frame, [[0.0, last], [0.0, top]]);
+        let plot = Plot::linear(frame, [[0.0, last], [0.0, top]]).with_letters(self.letters);
         let mut group = Group::new().set("class", "chart");
         let led: Vec<f64> = moments.iter().filter(|m| m.human_leads).map(|m| m.time).collect();
         if let (Some(from), Some(to)) = (led.first(), led.last()) {
@@ -311,7 +313,11 @@ impl Film<'_> {
             group = group.add(disc(foot, 3.4).set("fill", INK));
             let at = Point::new(x, frame.max.y - 0.8 * TEXT_SIZE);
             let inside = x.clamp(frame.min.x + 1.4 * GAP, frame.max.x - 1.4 * GAP);
-            group = group.add(stroke(&[foot, at], INK, 0.8)).add(number_mark(n, Point::new(inside, at.y)));
+            group = group.add(stroke(&[foot, at], INK, 0.8)).add(number_mark(
+                self.letters,
+                n,
+                Point::new(inside, at.y),
+            ));
         }
         if let Some(moment) = cursor {
             let at = plot.at(moment.time, moment.stubbornness);
@@ -343,13 +349,13 @@ impl Film<'_> {
         };
         // the first of equally good places
         let at = places.min_by(|a, b| cost(a).total_cmp(&cost(b))).unwrap_or(frame.max);
-        words.at(at, TEXT_SIZE, Align::Right)
+        words.lettered(self.letters, at, TEXT_SIZE, Align::Right)
     }
 
     /// The options by their styles, or their colours alone, and what is grey in the chart.
     pub(super) fn legend(&self, is_solid: bool) -> Legend {
         let options = self.options.options().iter().enumerate().take(MAX_LISTED);
-        let legend = options.fold(Legend::of_lines(), |legend, (o, option)| {
+        let legend = options.fold(Legend::of_lines().with_letters(self.letters), |legend, (o, option)| {
             let sample = match is_solid {
                 true => Group::new().add(stroke(&SAMPLE_ENDS, &option_colour(o), 5.0)),
                 false => line_sample(LineStyle::of(o), 3.0),
@@ -386,12 +392,12 @@ impl Film<'_> {
 }
 
 /// A number in a disc.
-fn number_mark(n: usize, middle: Point) -> Group {
+fn number_mark(letters: Letters, n: usize, middle: Point) -> Group {
     let words = Text::new(n.to_string()).bold();
     let radius = 0.5 * words.width(TEXT_SIZE).max(0.75 * TEXT_SIZE) + 4.0;
     let baseline = middle + Vector::new(0.0, 0.36 * TEXT_SIZE);
     Group::new()
         .set("class", "instant")
         .add(disc(middle, radius).set("fill", PAPER).set("stroke", INK).set("stroke-width", 1.2))
-        .add(words.at(baseline, TEXT_SIZE, Align::Middle))
+        .add(words.lettered(letters, baseline, TEXT_SIZE, Align::Middle))
 }

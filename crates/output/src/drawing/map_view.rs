@@ -1,8 +1,8 @@
 //! The view of a world in a picture: its frame and scale, axes, obstacles, openings, start and target.
 
 use super::kit::{
-    Align, INK, OBSTACLE, OBSTACLE_EDGE, PAPER, PLAIN_OPENING, Plot, TITLE_SIZE, Text, area, disc, polygon,
-    printable, rectangle, risk_colour, stroke,
+    Align, INK, Letters, OBSTACLE, OBSTACLE_EDGE, PAPER, PLAIN_OPENING, Plot, TITLE_SIZE, Text, area, disc,
+    polygon, printable, rectangle, risk_colour, stroke,
 };
 use cocarry::geometry::{Bounds, Footprint, Point, Vector, direction};
 use cocarry::world::{Obstacle, World};
@@ -22,6 +22,7 @@ pub(super) struct MapView {
     scale: f64,
     /// Upper left corner of the frame, px.
     corner: Point,
+    pub letters: Letters,
 }
 
 impl MapView {
@@ -41,12 +42,18 @@ impl MapView {
         let scale = most.component_div(&content.size()).min();
         let lacking = (least / scale - content.size()).sup(&Vector::zeros()) / 2.0;
         let world = Bounds { min: content.min - lacking, max: content.max + lacking };
-        Self { world, scale, corner }
+        Self { world, scale, corner, letters: Letters::Text }
     }
 
     /// The largest view of an area with its upper left corner at `corner` and a size of at most `most` (px).
     pub fn of(area: Bounds, corner: Point, most: Vector) -> Self {
-        Self { world: area, scale: most.component_div(&area.size()).min(), corner }
+        let scale = most.component_div(&area.size()).min();
+        Self { world: area, scale, corner, letters: Letters::Text }
+    }
+
+    /// The same view in these letters.
+    pub fn with_letters(self, letters: Letters) -> Self {
+        Self { letters, ..self }
     }
 
     /// Scale, px per m.
@@ -74,7 +81,7 @@ impl MapView {
     pub fn axes(&self) -> Group {
         let [x, y] = [0, 1].map(|axis| [self.world.min[axis], self.world.max[axis]]);
         let title = |letter: &str| Text::default().italic(letter).plain(" (m)");
-        Plot::linear(self.frame(), [x, y]).axes(&title("x"), &title("y"))
+        Plot::linear(self.frame(), [x, y]).with_letters(self.letters).axes(&title("x"), &title("y"))
     }
 
     /// The obstacles.
@@ -143,7 +150,8 @@ impl MapView {
             let at = self.px(place);
             let dot = disc(at, END).set("fill", PAPER).set("stroke", INK).set("stroke-width", 2);
             let baseline = at + Vector::new(0.0, 0.36 * TITLE_SIZE);
-            group.add(dot).add(Text::new(letter).bold().at(baseline, TITLE_SIZE, Align::Middle))
+            let words = Text::new(letter).bold();
+            group.add(dot).add(words.lettered(self.letters, baseline, TITLE_SIZE, Align::Middle))
         })
     }
 }

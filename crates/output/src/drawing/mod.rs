@@ -31,7 +31,7 @@ pub use curves::{Curve, CurvePanel, curves};
 pub use differences::{DifferencePanel, DifferenceRow, differences};
 pub use film::{Film, Moment, NARROWEST, WIDEST};
 pub use heat::{HeatPanel, heat_maps};
-pub use kit::dark_rules;
+pub use kit::{Letters, dark_rules};
 pub use map::{MAX_LISTED, world_map};
 pub use means::{MeanPanel, MeanRow, means};
 pub use moving::Moving;
@@ -75,12 +75,6 @@ pub fn option_dash(option: usize) -> &'static [f64] {
 /// The colour of a risk from 0 (light) to 1 (dark) in every picture, as `#rrggbb`.
 pub fn risk_colour(risk: f64) -> String {
     kit::risk_colour(risk)
-}
-
-/// The width that pictures take a text to have, em: at least that in any of their fonts.
-pub fn text_width(text: &str, is_bold: bool) -> f64 {
-    let text = kit::Text::new(text);
-    if is_bold { text.bold().width(1.0) } else { text.width(1.0) }
 }
 
 /// Checks that every option's P_o is a probability.

@@ -55,6 +55,7 @@ impl<'a> Film<'a> {
         };
         let content = self.content();
         let view = MapView::of(content, Point::origin(), content.size() * (side / WINDOW_M));
+        let view = view.with_letters(self.letters);
         let (_, mut clutter) = self.ground(&view, None);
         // labels keep away from everywhere the team comes
         let walked: Vec<Point> = self.moments.iter().map(|m| view.px(m.object.position)).collect();
@@ -94,7 +95,8 @@ impl<'a> Film<'a> {
             let (off, align) = if is_left { (9.0, Align::Left) } else { (-9.0, Align::Right) };
             let words = Text::new(letter).bold();
             let map = map.add(disc(at, 4.0).set("fill", INK));
-            map.add(words.at(at + Vector::new(off, -0.3 * TEXT_SIZE), TEXT_SIZE, align))
+            let place = at + Vector::new(off, -0.3 * TEXT_SIZE);
+            map.add(words.lettered(self.letters, place, TEXT_SIZE, align))
         });
         (view, map)
     }
@@ -111,11 +113,11 @@ impl Moving<'_> {
         let caption = Point::new(MARGIN, 26.0);
         let mut picture = document_of(self.width, self.bottom)
             .add(Film::clip("map", self.window))
-            .add(leads.at(caption, TEXT_SIZE, Align::Left));
+            .add(leads.lettered(film.letters, caption, TEXT_SIZE, Align::Left));
         let words = wrapped(&moment.sentence, self.width - 2.0 * MARGIN, TEXT_SIZE);
         for (line, words) in (1..).zip(words.into_iter().take(self.lines)) {
             let at = caption + Vector::new(0.0, LINE * f64::from(line));
-            picture = picture.add(words.at(at, TEXT_SIZE, Align::Left));
+            picture = picture.add(words.lettered(film.letters, at, TEXT_SIZE, Align::Left));
         }
         picture = picture.add(self.around(at)).add(self.scale_bar()).add(film.chart(
             self.chart,
@@ -163,6 +165,6 @@ impl Moving<'_> {
         Group::new()
             .add(rectangle(area).set("fill", PAPER).set("fill-opacity", 0.85))
             .add(stroke(&[from, to], INK, 3.0))
-            .add(words.at(above, TEXT_SIZE, Align::Middle))
+            .add(words.lettered(self.film.letters, above, TEXT_SIZE, Align::Middle))
     }
 }

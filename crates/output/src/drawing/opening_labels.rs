@@ -74,7 +74,8 @@ pub(super) fn opening_labels(
         let middle = nalgebra::center(&area.min, &area.max).x;
         for (i, line) in lines.iter().enumerate() {
             let baseline = area.min.y + PADDING + (i as f64 + 0.8) * LINE_HEIGHT;
-            group = group.add(line.at(Point::new(middle, baseline), TEXT_SIZE, Align::Middle));
+            let at = Point::new(middle, baseline);
+            group = group.add(line.lettered(view.letters, at, TEXT_SIZE, Align::Middle));
         }
         clutter.take(area);
     }

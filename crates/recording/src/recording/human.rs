@@ -9,6 +9,7 @@ use cocarry::geometry::Pose;
 use cocarry_output::palette;
 use foxglove::messages::{FrameTransform, SceneEntity};
 use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
+use serde_json::{Value, json};
 
 // Lengths in m. The body is as tall as the torso of the simulation, 1.7 m.
 const HIP: f64 = 0.85;
@@ -37,6 +38,25 @@ const LIMBS: [(&str, [f64; 2], f64, [u8; 3]); 4] = [
     ("upper_arm", [0.066, 0.052], UPPER_ARM, palette::HUMAN),
     ("forearm", [0.043, 0.035], FOREARM, palette::SKIN),
 ];
+
+/// The measures of the figure, for the 3-D player: hip and shoulder of the left side from the floor below the
+/// torso, the stride and the share of it in which a foot is on the floor, and every limb. The player's gait
+/// differs: it knows the whole way, and plants the feet on it.
+pub(crate) fn measures() -> Value {
+    let mut measures = json!({
+        "hip_m": [0.0, HIP_HALF, HIP],
+        "shoulder_m": SHOULDER,
+        "ankle_m": ANKLE,
+        "stride_m": STRIDE,
+        "stance_share": STANCE,
+        "reach_m": REACH,
+        "grip_m": GRIP,
+    });
+    for (name, radii, length, _) in LIMBS {
+        measures[name] = json!({ "radii_m": radii, "length_m": length });
+    }
+    measures
+}
 
 /// The state that the figure shows.
 pub(super) struct Stance {

@@ -76,6 +76,7 @@ pub use difference::Difference;
 pub use encoder::Encoder;
 pub use ending::Ending;
 pub use error::{ReadError, RecordingError};
+pub(crate) use human::measures as human_measures;
 #[cfg(feature = "live")]
 pub use live::{LiveError, LiveServer};
 pub use overview::{FIELD_OF_VIEW_DEG, Overview};

@@ -2,14 +2,14 @@
 
 use crate::recording::{Channel, Frame, Playback};
 use cocarry::geometry::{Footprint, PlanarPose, Point};
-use cocarry_output::drawing::{Film, Moment};
+use cocarry_output::drawing::{Film, Letters, Moment};
 
 /// The base of a team that is a point is drawn as this disc, at this distance behind the object, m.
 const STAND_IN: Footprint = Footprint::Disc { center: Point::new(0.0, 0.0), radius: 0.25 };
 const STAND_IN_BEHIND_M: f64 = 0.45;
 
 /// The film of an episode: a moment at the beginning of every step, and at the end.
-pub fn film(playback: &Playback) -> Film<'_> {
+pub fn film(playback: &Playback, letters: Letters) -> Film<'_> {
     let prepared = &playback.prepared;
     let steps = Steps::of(playback);
     Film {
@@ -17,6 +17,7 @@ pub fn film(playback: &Playback) -> Film<'_> {
         options: prepared.options(),
         base: prepared.robot().map_or(&STAND_IN, |robot| &robot.footprint),
         moments: playback.frames.iter().map(|frame| steps.moment(playback, frame)).collect(),
+        letters,
     }
 }
 

@@ -7,7 +7,6 @@
 mod film;
 mod layout;
 mod learned;
-mod outlines;
 mod pictures;
 mod player;
 mod robot;

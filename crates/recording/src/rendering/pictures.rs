@@ -1,10 +1,9 @@
 //! Pictures of an episode as files: filmstrips as SVG and PNG, and moving ones as GIF.
 
 use super::film::film;
-use super::outlines::outlined;
 use crate::recording::Playback;
 use cocarry::Error;
-use cocarry_output::drawing::{NARROWEST, WIDEST};
+use cocarry_output::drawing::{Letters, NARROWEST, WIDEST};
 use gif::{DisposalMethod, Encoder, Frame, Repeat};
 use resvg::tiny_skia::{Color, Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
@@ -67,7 +66,7 @@ impl Width {
 /// # Errors
 /// There is nothing to draw, or a number cannot be drawn.
 pub fn filmstrip_svg(playback: &Playback, instants: usize, width: Width) -> Result<String, Error> {
-    film(playback).strip(instants, width.layout(), width.shown())
+    film(playback, Letters::Text).strip(instants, width.layout(), width.shown())
 }
 
 /// The filmstrip as a PNG file.
@@ -75,7 +74,7 @@ pub fn filmstrip_svg(playback: &Playback, instants: usize, width: Width) -> Resu
 /// # Errors
 /// It cannot be drawn, or is too large.
 pub fn filmstrip_png(playback: &Playback, instants: usize, width: Width) -> Result<Vec<u8>, Error> {
-    let svg = film(playback).strip(instants, width.layout(), width.shown())?;
+    let svg = film(playback, Letters::Outlines).strip(instants, width.layout(), width.shown())?;
     let picture = raster(&svg, width.pixels())?;
     picture.encode_png().map_err(no_image)
 }
@@ -86,7 +85,7 @@ pub fn filmstrip_png(playback: &Playback, instants: usize, width: Width) -> Resu
 /// # Errors
 /// As [`filmstrip_png`].
 pub fn moving_gif(playback: &Playback, width: Width) -> Result<Vec<u8>, Error> {
-    let film = film(playback);
+    let film = film(playback, Letters::Outlines);
     let moments = film.moments.len();
     let mut shown: Vec<usize> = (0..moments).step_by(moments.div_ceil(MAX_PICTURES).max(1)).collect();
     shown.extend((shown.last() != Some(&(moments - 1))).then_some(moments - 1));
@@ -135,7 +134,7 @@ const TOLD_LINES: usize = 3;
 /// # Errors
 /// As [`filmstrip_png`].
 pub fn last_picture(playback: &Playback, width: Width) -> Result<Pixels, Error> {
-    let film = film(playback);
+    let film = film(playback, Letters::Outlines);
     let last = film.moments.len().saturating_sub(1);
     let picture = raster(&film.moving(width.layout(), Some(TOLD_LINES))?.picture(last), width.pixels())?;
     let colours = colours(&picture).flatten().collect();
@@ -151,11 +150,9 @@ fn too_large(width: u32, height: u32) -> Error {
     no_image(format_args!("{width} x {height} pixels are too many"))
 }
 
-/// A picture as pixels.
+/// A picture without text as pixels.
 fn raster(svg: &str, width: f64) -> Result<Pixmap, Error> {
-    let failed = || no_image("the picture cannot be read back");
-    let outlined = outlined(svg).ok_or_else(failed)?;
-    let tree = Tree::from_str(&outlined, &Options::default());
+    let tree = Tree::from_str(svg, &Options::default());
     let tree = tree.map_err(no_image)?;
     let scale = width / f64::from(tree.size().width());
     let height = (f64::from(tree.size().height()) * scale).round();

@@ -1,7 +1,7 @@
 //! The 3-D player: one self-contained HTML page, which is the built page of `viewer/` with the episode in it.
 
 use super::learned::learned;
-use crate::recording::{Channel, Frame, Playback};
+use crate::recording::{Channel, Frame, Playback, human_measures};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD as STANDARD;
 use cocarry::Error;
@@ -90,6 +90,7 @@ fn episode(playback: &Playback, title: &str, robot: Option<&Robot>) -> Result<Va
             "robot": recorded.map(|robot| &robot.name),
         },
         "colours": colours(),
+        "measures": human_measures(),
         "period_s": scenario.settings.planning_step,
         "options": options(playback),
         "robot": drawn.iter().map(|&l| json!({ "name": links[l].name, "shapes": shapes[l] })).collect::<Vec<_>>(),

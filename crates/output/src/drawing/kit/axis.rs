@@ -2,8 +2,8 @@
 
 use super::text::number;
 use super::{
-    AXIS_ROOM, Align, FRAME_WIDTH, GAP, GRID, INK, MARGIN, TEXT_SIZE, TITLE_SIZE, Text, WIDTH, border, level,
-    px, stroke, upright,
+    AXIS_ROOM, Align, FRAME_WIDTH, GAP, GRID, INK, Letters, MARGIN, TEXT_SIZE, TITLE_SIZE, Text, WIDTH,
+    border, level, px, stroke, upright,
 };
 use cocarry::geometry::{Bounds, Point, Vector};
 use cocarry::math;
@@ -34,6 +34,7 @@ pub(in super::super) struct Axis {
     ends: [f64; 2],
     /// Whether the axis is logarithmic.
     is_log: bool,
+    letters: Letters,
 }
 
 impl Axis {
@@ -43,12 +44,17 @@ impl Axis {
             Side::Left => [frame.max.y, frame.min.y],
             _ => [frame.min.x, frame.max.x],
         };
-        Self { side, range, ends, is_log: false }
+        Self { side, range, ends, is_log: false, letters: Letters::Text }
     }
 
     /// A logarithmic axis; the range must be positive.
     pub fn log(side: Side, range: [f64; 2], frame: Bounds) -> Self {
         Self { is_log: true, ..Self::linear(side, range, frame) }
+    }
+
+    /// The same axis in these letters.
+    pub fn with_letters(self, letters: Letters) -> Self {
+        Self { letters, ..self }
     }
 
     /// The position of a value, px; values beyond the ends are clamped.
@@ -158,10 +164,16 @@ impl Axis {
             }
         };
         let group = ticks.into_iter().fold(Group::new().set("class", "axis"), |group, (value, label)| {
-            group.add(Text::new(label).at(self.foot(value, frame).0 + Vector::from(offset), size, align))
+            let place = self.foot(value, frame).0 + Vector::from(offset);
+            group.add(Text::new(label).lettered(self.letters, place, size, align))
         });
         let turned = Group::new().set("transform", format!("rotate({angle} {} {})", px(at.x), px(at.y)));
-        group.add(self.marks(frame)).add(turned.add(title.at(at, TITLE_SIZE, Align::Middle)))
+        group.add(self.marks(frame)).add(turned.add(title.lettered(
+            self.letters,
+            at,
+            TITLE_SIZE,
+            Align::Middle,
+        )))
     }
 }
 
@@ -182,6 +194,11 @@ impl Plot {
     /// Linear axes with these ranges.
     pub fn linear(frame: Bounds, [x, y]: [[f64; 2]; 2]) -> Self {
         Self { frame, x: Axis::linear(Side::Below, x, frame), y: Axis::linear(Side::Left, y, frame) }
+    }
+
+    /// The same plot in these letters.
+    pub fn with_letters(self, letters: Letters) -> Self {
+        Self { x: self.x.with_letters(letters), y: self.y.with_letters(letters), ..self }
     }
 
     pub fn at(&self, x: f64, y: f64) -> Point {

@@ -1,7 +1,7 @@
 //! The legend of every picture: samples of lines and marks with their meanings, in columns or as a table with
 //! headings.
 
-use super::{Align, GAP, INK, LineStyle, TEXT_SIZE, Text, place, stroke};
+use super::{Align, GAP, INK, Letters, LineStyle, TEXT_SIZE, Text, place, stroke};
 use cocarry::geometry::{Point, Vector};
 use svg::node::element::Group;
 
@@ -21,6 +21,7 @@ pub(in super::super) struct Legend {
     sample: f64,
     heads: Vec<(Text, Align)>,
     entries: Vec<Entry>,
+    letters: Letters,
 }
 
 struct Entry {
@@ -41,7 +42,12 @@ impl Legend {
 
     /// A legend in the form of a table, with a heading and an alignment for every column.
     pub fn table(heads: Vec<(Text, Align)>) -> Self {
-        Self { sample: SAMPLE, heads, entries: Vec::new() }
+        Self { sample: SAMPLE, heads, entries: Vec::new(), letters: Letters::Text }
+    }
+
+    /// The same legend in these letters.
+    pub fn with_letters(self, letters: Letters) -> Self {
+        Self { letters, ..self }
     }
 
     /// Adds a sample, drawn around the origin, with its meaning.
@@ -82,7 +88,8 @@ impl Legend {
                 left += COLUMN_GAP;
                 let x = if matches!(align, Align::Right) { left + width } else { left };
                 for (i, line) in lines.iter().enumerate() {
-                    group = group.add(line.at(Point::new(x, from.y + i as f64 * LINE), TEXT_SIZE, align));
+                    let at = Point::new(x, from.y + i as f64 * LINE);
+                    group = group.add(line.lettered(self.letters, at, TEXT_SIZE, align));
                 }
                 left += width;
             }

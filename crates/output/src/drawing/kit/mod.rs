@@ -9,6 +9,7 @@
 mod axis;
 mod clutter;
 mod legend;
+mod letters;
 mod marks;
 mod palette;
 mod shapes;
@@ -19,13 +20,14 @@ pub(super) use crate::palette::RISK_COLOURS;
 pub(super) use axis::{Axis, Plot, Side};
 pub(super) use clutter::{Clutter, nearest};
 pub(super) use legend::{Legend, SAMPLE, level_sample, line_sample};
+pub use letters::Letters;
 pub(super) use marks::{Shape, mark, mean_bar, place};
 pub use palette::dark_rules;
 pub(super) use palette::{
     BAND, FAINT, FAINT_WIDTH, GRID, INK, LineStyle, OBSTACLE, OBSTACLE_EDGE, PAPER, PLAIN_OPENING, STRIPE,
     risk_colour, width_by_rank, widths_by_probability,
 };
-pub(super) use shapes::{area, disc, path_data, polygon, px, rectangle, stroke};
+pub(super) use shapes::{area, disc, path_data, polygon, px, rectangle, rounded, stroke};
 pub(super) use strips::Strips;
 pub(super) use text::{Align, Text, number, printable, wrapped};
 
@@ -93,8 +95,14 @@ pub(super) fn in_two_columns<P>(
 
 /// A bold title above a frame, at most from `left` to the frame's right side.
 pub(super) fn frame_title(text: &str, left: f64, frame: Bounds) -> Element {
+    lettered_title(Letters::Text, text, left, frame)
+}
+
+/// The same in these letters.
+pub(super) fn lettered_title(letters: Letters, text: &str, left: f64, frame: Bounds) -> Element {
     let at = Point::new(left, frame.min.y - 1.2 * GAP);
-    Text::new(text).bold().within(frame.max.x - left, TITLE_SIZE).at(at, TITLE_SIZE, Align::Left)
+    let title = Text::new(text).bold().within(frame.max.x - left, TITLE_SIZE);
+    title.lettered(letters, at, TITLE_SIZE, Align::Left)
 }
 
 /// The left side of a frame whose rows have these labels, of which each is at most `most` px wide.

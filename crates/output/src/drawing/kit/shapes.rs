@@ -49,9 +49,36 @@ pub(in super::super) fn path_data(points: &[Point]) -> String {
     format!("M{}", pairs.join("L"))
 }
 
+/// The number that [`px`] writes: the nearest hundredth, and of two equally near ones the even one.
+pub(in super::super) fn rounded(value: f64) -> f64 {
+    let hundredths = 100.0 * value;
+    let below = hundredths.floor();
+    // half a hundredth may be a product that was rounded: its error decides
+    let error = value.mul_add(100.0, -hundredths);
+    let is_above = match hundredths - below {
+        0.5 => error > 0.0 || (error == 0.0 && below % 2.0 != 0.0),
+        part => part > 0.5,
+    };
+    (if is_above { below + 1.0 } else { below }) / 100.0
+}
+
 /// A coordinate or length of the picture, to a hundredth of a pixel.
 pub(in super::super) fn px(value: f64) -> String {
     let text = format!("{value:.2}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_rounded_as_they_are_written() {
+        let near_ties =
+            (0..4000).flat_map(|i| [0.005, 0.35 * 16.5, 0.36 * 19.0].map(|by| f64::from(i) / 8.0 + by));
+        for value in near_ties.flat_map(|value| [value, -value]) {
+            assert_eq!(px(value).parse(), Ok(rounded(value) + 0.0), "{value}");
+        }
+    }
 }

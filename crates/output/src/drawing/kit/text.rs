@@ -1,6 +1,7 @@
 //! Lines of text with italics, subscripts and measured width.
 
-use super::{INK, px};
+use super::letters::{Letters, Run, outlines, width};
+use super::{INK, px, rounded};
 use cocarry::geometry::Point;
 use svg::node::element::Element;
 use svg::node::{Blob, Node};
@@ -131,6 +132,41 @@ impl Text {
 
     /// The text with its baseline at `at` (px).
     pub fn at(&self, at: Point, size: f64, align: Align) -> Element {
+        self.lettered(Letters::Text, at, size, align)
+    }
+
+    /// The same in these letters.
+    pub fn lettered(&self, letters: Letters, at: Point, size: f64, align: Align) -> Element {
+        match letters {
+            Letters::Text => self.as_text(at, size, align),
+            Letters::Outlines => self.as_outlines(at, size, align),
+        }
+    }
+
+    fn as_outlines(&self, at: Point, size: f64, align: Align) -> Element {
+        let texts: Vec<String> = self.runs.iter().map(|(_, text)| printable(text)).collect();
+        let mut lowered = 0.0;
+        let runs = self.runs.iter().zip(&texts).map(|((form, _), text)| {
+            let is_sub = *form == Form::Sub;
+            let low = if is_sub { size * SUB_DROP } else { 0.0 };
+            let dy = rounded(low - lowered);
+            lowered = low;
+            let size = rounded(if is_sub { size * SUB_SIZE } else { size });
+            Run { text, size, dy, is_italic: *form == Form::Italic }
+        });
+        let runs: Vec<Run> = runs.collect();
+        let before = match align {
+            Align::Left => 0.0,
+            Align::Middle => width(&runs, self.is_bold) / 2.0,
+            Align::Right => width(&runs, self.is_bold),
+        };
+        let mut element = Element::new("path");
+        element.assign("fill", INK);
+        element.assign("d", outlines(&runs, self.is_bold, [rounded(at.x) - before, rounded(at.y)]));
+        element
+    }
+
+    fn as_text(&self, at: Point, size: f64, align: Align) -> Element {
         let anchor = match align {
             Align::Left => "start",
             Align::Middle => "middle",
@@ -217,6 +253,46 @@ mod tests {
         let symbol = at(Text::opening("xi12"));
         assert!(symbol.contains("\u{3be}</tspan>") && symbol.contains(">12</tspan>"), "{symbol}");
         assert!(at(Text::opening("xi1b")).contains(">xi1b<"));
+    }
+
+    #[test]
+    fn closed_form_outlines_stand_where_the_text_is_anchored() {
+        let text = Text::new("HH").sub("H");
+        let xs = |align| -> Vec<f64> {
+            let drawn = text.lettered(Letters::Outlines, Point::new(50.0, 20.0), 10.0, align).to_string();
+            assert!(drawn.starts_with("<path ") && drawn.contains(INK), "{drawn}");
+            let (_, data) = drawn.split_once(" d=\"").unwrap();
+            let numbers = data.split(['M', 'L', 'Z', ' ', '"']).filter_map(|n| n.parse::<f64>().ok());
+            numbers.step_by(2).collect()
+        };
+        // an H is 0.752 em wide
+        let total = 0.752 * (20.0 + 10.0 * SUB_SIZE);
+        for (align, left) in
+            [(Align::Left, 50.0), (Align::Middle, 50.0 - total / 2.0), (Align::Right, 50.0 - total)]
+        {
+            let (low, high) = xs(align).iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+            assert!(low > left && low < left + 1.2, "{low}");
+            assert!(high < left + total && high > left + total - 1.2, "{high}");
+        }
+    }
+
+    /// Labels are placed by widths in whole thousandths, with one factor for all bold letters.
+    #[test]
+    fn outlines_are_no_wider_than_the_room_that_is_left_for_them() {
+        let labels = [
+            "Environment 4",
+            "stubbornness",
+            "time (s)",
+            "the human takes the lead",
+            "0.0123456789",
+            "ABCXYZ",
+        ];
+        for text in labels {
+            for label in [Text::new(text), Text::new(text).bold()] {
+                let run = Run { text, size: 1.0, dy: 0.0, is_italic: false };
+                assert!(width(&[run], label.is_bold) <= label.width(1.0) * 1.01, "{label:?}");
+            }
+        }
     }
 
     #[test]
