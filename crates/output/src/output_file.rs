@@ -375,9 +375,7 @@ fn existing(file: &Path, overwrite: bool) -> Result<Option<Metadata>, OutputErro
 /// An error if no file can have that name: it is too long.
 fn nameable(file: &Path) -> Result<(), OutputError> {
     match file.symlink_metadata() {
-        Err(source) if source.kind() == ErrorKind::InvalidFilename => {
-            Err(OutputError::no_name(file, source))
-        }
+        Err(source) if source.kind() == ErrorKind::InvalidFilename => Err(OutputError::no_name(file, source)),
         _ => Ok(()),
     }
 }

@@ -5,6 +5,7 @@ use crate::paper::part::{Block, Figure, Finding, Part, Plan, Section, none};
 use crate::parallel::OnDone;
 use crate::table::{Cell, Columns, Table};
 use cocarry::Error;
+use cocarry::math;
 use cocarry_output::drawing::{Curve, CurvePanel, curves};
 
 /// The study of the guide.
@@ -147,7 +148,7 @@ fn costs(rows: &[GuideRow]) -> Table {
 pub fn guide_picture(rows: &[GuideRow]) -> Result<String, Error> {
     // the decades of the price; none at -1
     let decade =
-        |row: &GuideRow| row.guide.price().map(|price| if price > 0.0 { price.log10() } else { -1.0 });
+        |row: &GuideRow| row.guide.price().map(|price| if price > 0.0 { math::log10(price) } else { -1.0 });
     let curve = |label: &str, value: &dyn Fn(&GuideRow) -> Option<f64>| Curve {
         label: label.to_owned(),
         points: rows.iter().filter_map(|row| Some([decade(row)?, value(row)?])).collect(),
