@@ -33,9 +33,7 @@ impl XmlExtent {
             let behind = match rest {
                 [b'<', b'!', b'-', b'-', within @ ..] => behind(within, b"-->"),
                 [b'<', b'!', b'[', b'C', b'D', b'A', b'T', b'A', b'[', within @ ..] => behind(within, b"]]>"),
-                [b'<', b'!', ..] => {
-                    return Err("it has a document type declaration, which is not read".to_owned());
-                }
+                [b'<', b'!', within @ ..] => behind_declaration(within)?,
                 [b'<', b'?', within @ ..] => behind(within, b"?>"),
                 [b'<', b'/', within @ ..] => {
                     depth = depth.saturating_sub(1);
@@ -63,6 +61,30 @@ impl XmlExtent {
 /// What follows the first `end`.
 fn behind<'a>(bytes: &'a [u8], end: &[u8]) -> Option<&'a [u8]> {
     bytes.windows(end.len()).position(|window| window == end).map(|at| &bytes[at + end.len()..])
+}
+
+/// What follows a document type declaration, behind its `<!`. One that only names a file, which no parser reads,
+/// is passed over; many programs write it into their drawings.
+///
+/// # Errors
+/// It defines entities, or the like.
+fn behind_declaration(bytes: &[u8]) -> Result<Option<&[u8]>, String> {
+    let mut quote = None;
+    for (i, byte) in bytes.iter().enumerate() {
+        match (quote, *byte) {
+            (Some(open), byte) if byte == open => quote = None,
+            (Some(_), _) => {}
+            (None, b'"' | b'\'') => quote = Some(*byte),
+            (None, b'[') => {
+                return Err(
+                    "it has a document type declaration with definitions, which are not read".to_owned()
+                );
+            }
+            (None, b'>') => return Ok(Some(&bytes[i + 1..])),
+            (None, _) => {}
+        }
+    }
+    Ok(None)
 }
 
 /// An opening tag.
@@ -109,6 +131,7 @@ mod tests {
             "<a><b><c/><c></c></b></a>",
             "<?xml version='1.0'?><a x='>' y=\"/>'\"><b><c/></b></a>",
             "<a><!-- <b><c><d><e> --><![CDATA[<b><c><d><e>]]><b/></a>",
+            "<!DOCTYPE a PUBLIC '-//b//>[' \"c><![CDATA[\"><a><b/></a>",
             "no tags",
             "",
             // errors of the grammar
@@ -126,6 +149,8 @@ mod tests {
             ("<!--></a><a>--><a><a><a><a>", "depth of its elements = 4"),
             ("<a x='' y='' z=''/>", "number of a tag's attributes = 3; it must be at most 2"),
             (&"<a/>".repeat(13), "number of its tags = 13; it must be at most 12"),
+            // the quoted end is none
+            ("<!DOCTYPE a SYSTEM '><![CDATA['><a><a><a><a>", "depth of its elements = 4"),
             ("<!DOCTYPE a [<!ENTITY b \"c\">]><a/>", "a document type declaration"),
         ] {
             let error = SMALL.check(text).unwrap_err();

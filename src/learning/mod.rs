@@ -274,7 +274,7 @@ impl Learner {
         self.perception.density(perception)
     }
 
-    /// The posterior of alpha and gamma.
+    /// The belief about alpha, gamma and eta, for [`Learner::restore`].
     pub fn state(&self) -> State {
         State {
             perception: self.perception.learned(),

@@ -55,7 +55,7 @@ struct State {
     path_speed: f64,
     /// Intended pose of the object.
     goal: PlanarPose,
-    /// The position along the path of a leader who does not wait, m.
+    /// A leader who does not wait: the position along the path (m) and the speed (m/s).
     #[serde(default)]
     unhindered: [f64; 2],
 }

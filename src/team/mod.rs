@@ -10,14 +10,15 @@ mod object_room;
 mod on_path;
 mod pace;
 mod route;
+mod start;
 mod team_path;
 
-pub use ends::Surroundings;
 pub use in_tandem::InTandem;
 pub use on_path::OnPath;
 pub(crate) use pace::TEAM_ACCELERATION;
 pub use pace::{Pace, Travel};
 pub use route::{Route, TurnOutcome};
+pub use start::Surroundings;
 pub use team_path::Turned;
 
 use crate::control::{Intent, Reference};

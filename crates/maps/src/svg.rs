@@ -39,7 +39,10 @@ pub(crate) fn obstacles(path: &FilePath, request: &Request) -> Result<String, Er
 fn of_text(source: Source, request: &Request) -> Result<String, Error> {
     let Source { file, text } = source;
     DRAWING.check(text).map_err(|why| source.invalid("SVG file", why))?;
-    let document = roxmltree::Document::parse(text).map_err(|error| source.invalid("SVG file", error))?;
+    // a declaration of the document type that defines nothing
+    let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
+    let document = roxmltree::Document::parse_with_options(text, options);
+    let document = document.map_err(|error| source.invalid("SVG file", error))?;
     svg_bounds::check(&document).map_err(|why| source.invalid("SVG file", why))?;
     let tree = Tree::from_xmltree(&document, &without_pictures())
         .map_err(|error| source.invalid("SVG file", error))?;

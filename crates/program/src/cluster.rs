@@ -180,20 +180,11 @@ fn refuse_queued(out: &Path) -> Result<(), Failure> {
 fn send(job: &mut Job, shards: &[u64], no_submit: bool) -> Result<ExitCode, Failure> {
     let results = job.results().display().to_string();
     if no_submit {
-        let commands: Vec<String> = slurm::arrays(shards, slurm::MAX_TASKS)
-            .iter()
-            .map(|array| {
-                format!(
-                    "{}\n",
-                    slurm::submission(job, array)
-                        .iter()
-                        .map(|word| shell_word(word))
-                        .collect::<Vec<_>>()
-                        .join(" ")
-                )
-            })
-            .collect();
-        print(&commands.concat())?;
+        for array in slurm::arrays(shards, slurm::MAX_TASKS) {
+            let words: Vec<String> =
+                slurm::submission(job, &array).iter().map(|word| shell_word(word)).collect();
+            print(&format!("{}\n", words.join(" ")))?;
+        }
         return Ok(ExitCode::SUCCESS);
     }
     let arrays = slurm::submit(job, shards).map_err(failure)?;

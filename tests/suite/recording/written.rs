@@ -83,7 +83,9 @@ fn frames_in_the_world(message: &Value) -> BTreeMap<String, Pose> {
         };
         let at = numbers("translation", &["x", "y", "z"]);
         let q = numbers("rotation", &["w", "x", "y", "z"]);
-        let turned = UnitQuaternion::new_normalize(Quaternion::new(q[0], q[1], q[2], q[3]));
+        let q = Quaternion::new(q[0], q[1], q[2], q[3]);
+        assert!((q.norm() - 1.0).abs() < 1e-12, "{t}: a quaternion of length {}", q.norm());
+        let turned = UnitQuaternion::new_unchecked(q);
         let pose = Pose::from_parts(Translation3::new(at[0], at[1], at[2]), turned.to_rotation_matrix());
         let [parent, child] = ["parent_frame_id", "child_frame_id"].map(|key| t[key].as_str().unwrap());
         let above = known.get(parent).unwrap_or_else(|| panic!("{child} is below an unknown {parent}"));

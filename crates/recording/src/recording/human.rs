@@ -7,7 +7,7 @@ use super::frames::{HUMAN, WORLD, transform};
 use super::shapes::{Shapes, moving, rgba};
 use cocarry::geometry::Pose;
 use cocarry_output::palette;
-use foxglove::messages::{FrameTransform, SceneEntity};
+use foxglove::messages::{FrameTransform, Quaternion, SceneEntity};
 use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 use serde_json::{Value, json};
 
@@ -83,6 +83,19 @@ fn along_z(from: Vector3<f64>, to: Vector3<f64>) -> Pose {
     Pose::from_parts(Translation3::from(from), turned)
 }
 
+/// Rounds a turn to the grid. The largest part follows from the others, so that the length is 1.
+fn round_turn(turn: &mut Quaternion) {
+    let mut parts = [&mut turn.x, &mut turn.y, &mut turn.z, &mut turn.w];
+    parts.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+    let [others @ .., largest] = parts;
+    let mut left = 1.0;
+    for part in others {
+        *part = (*part / GRID).round() * GRID;
+        left -= *part * *part;
+    }
+    *largest = left.sqrt().copysign(*largest);
+}
+
 impl Stance {
     /// The frames of the figure: the human on the floor, and the moving limbs below it.
     pub fn transforms(&self, time: u64) -> Vec<FrameTransform> {
@@ -98,10 +111,7 @@ impl Stance {
                 let at = pose.translation.vector.map(|v| (v / GRID).round() * GRID);
                 let pose = Pose::from_parts(Translation3::from(at), pose.rotation);
                 let mut frame = transform(HUMAN, &side_frame(side, part), &pose, time);
-                let turn = frame.rotation.get_or_insert_default();
-                for part in [&mut turn.x, &mut turn.y, &mut turn.z, &mut turn.w] {
-                    *part = (*part / GRID).round() * GRID;
-                }
+                round_turn(frame.rotation.get_or_insert_default());
                 frames.push(frame);
             }
         }

@@ -127,13 +127,13 @@ impl Playback {
         playback.frames.sort_by_key(|frame| frame.time);
         playback.ahead.sort_by_key(|(time, _)| *time);
         playback.events.sort_by_key(|event| event.time);
-        // an episode that has begun is one frame; more of them take time
-        let is_standing = match playback.frames.as_slice() {
+        // before its first step an episode has one frame; several at one time are forged
+        let is_empty = match playback.frames.as_slice() {
             [] => true,
             [_] => false,
             [.., last] => last.time == 0,
         };
-        match is_standing || playback.messages(Channel::Coordination).is_empty() {
+        match is_empty || playback.messages(Channel::Coordination).is_empty() {
             true => Err(lacks("has no complete step, so there is nothing to draw".to_owned())),
             false => Ok(playback),
         }

@@ -157,8 +157,8 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// The figure of a distribution with this mean and standard deviation. `quantile` is the value up to which there is a
-    /// probability.
+    /// The figure of a distribution with this mean and standard deviation. `quantile` is the value up to which
+    /// there is a probability.
     pub(super) fn new([mean, std]: [f64; 2], quantile: impl Fn(f64) -> f64) -> Self {
         Self {
             median: quantile(0.5),
