@@ -228,7 +228,7 @@ fn a_study_has_a_bounded_number_of_combinations() {
 fn many_participants_are_inferred_in_little_memory() {
     let folder = tempfile::tempdir().unwrap();
     let mut answers = "participant,world,option,percent\n".to_owned();
-    for person in 0..300 {
+    for person in 0..600 {
         for world in 1..=2 {
             for option in 1..=4 {
                 let percent = if option == 1 + (person + world) % 4 { 100 } else { 0 };
@@ -240,5 +240,5 @@ fn many_participants_are_inferred_in_little_memory() {
     let output = within(300, folder.path(), "infer a.csv --csv people.csv --draws 100");
     assert!(output.status.success(), "{}", stderr(&output));
     let people = std::fs::read_to_string(folder.path().join("people.csv")).unwrap();
-    assert_eq!(people.lines().count(), 301);
+    assert_eq!(people.lines().count(), 601);
 }

@@ -155,7 +155,7 @@ pub fn guide_picture(rows: &[GuideRow]) -> Result<String, Error> {
     };
     let panel = |title: &str, unit: &str, range: [f64; 2], curves| CurvePanel {
         title: title.to_owned(),
-        axes: ["log10 of the guide's price".to_owned(), unit.to_owned()],
+        axes: ["log10 of the price (-1: no price)".to_owned(), unit.to_owned()],
         ranges: [[-1.0, 4.0], range],
         mark: None,
         curves,
@@ -166,11 +166,14 @@ pub fn guide_picture(rows: &[GuideRow]) -> Result<String, Error> {
         curve("random worlds", &|row| row.worlds.and_then(|w| percent(w.arrived, w.worlds))),
     ];
     let ratios = vec![
-        curve("C against the walk that waits", &|row| row.ratio),
-        curve("C against the intended walk", &|row| row.intended_ratio),
+        curve("the human waits", &|row| row.ratio),
+        // a team that does not arrive makes the cost of a human who walks on as large as one likes
+        curve("the intended walk, if all arrive", &|row| {
+            row.intended_ratio.filter(|_| row.arrived == row.episodes)
+        }),
     ];
     curves(&[
         panel("episodes that arrive", "%", [0.0, 105.0], arrivals),
-        panel("C with over without pose optimisation", "ratio", [0.5, 1.2], ratios),
+        panel("ratio of C", "with / without PO", [0.5, 1.3], ratios),
     ])
 }
