@@ -38,6 +38,26 @@ pub struct Cell {
     pub values: Vec<Value>,
 }
 
+impl Cell {
+    fn text(text: String) -> Self {
+        Self { shown: text.clone(), values: vec![text.into()] }
+    }
+
+    fn number(number: f64, decimals: usize) -> Self {
+        Self { shown: format!("{number:.decimals$}"), values: vec![number.into()] }
+    }
+
+    fn count(count: Option<u64>) -> Self {
+        Self { shown: count.map_or("-".to_owned(), |n| n.to_string()), values: vec![count.into()] }
+    }
+
+    fn spread([mean, std]: [f64; 2], decimals: usize) -> Self {
+        Self {
+            shown: format!("{mean:.decimals$} ± {std:.decimals$}"), values: vec![mean.into(), std.into()]
+        }
+    }
+}
+
 /// A builder that fills a table column by column from the same rows.
 #[derive(Debug)]
 pub struct Columns<'a, R> {
@@ -54,10 +74,7 @@ impl<'a, R> Columns<'a, R> {
 
     /// Adds a column of text.
     pub fn text<T: ToString>(self, heading: &str, key: &str, text: impl Fn(&R) -> T) -> Self {
-        self.column(heading, true, &[key], |row| {
-            let text = text(row).to_string();
-            Cell { shown: text.clone(), values: vec![text.into()] }
-        })
+        self.column(heading, true, &[key], |row| Cell::text(text(row).to_string()))
     }
 
     /// Adds a column of whole numbers that name something; they are aligned left like text.
@@ -70,19 +87,12 @@ impl<'a, R> Columns<'a, R> {
 
     /// Adds a column of numbers, shown with `decimals` decimals.
     pub fn number(self, heading: &str, key: &str, decimals: usize, number: impl Fn(&R) -> f64) -> Self {
-        self.column(heading, false, &[key], |row| {
-            let number = number(row);
-            Cell { shown: format!("{number:.decimals$}"), values: vec![number.into()] }
-        })
+        self.column(heading, false, &[key], |row| Cell::number(number(row), decimals))
     }
 
     /// Adds a column of whole numbers; `-` where there is none.
     pub fn count<T: Into<Option<u64>>>(self, heading: &str, key: &str, count: impl Fn(&R) -> T) -> Self {
-        self.column(heading, false, &[key], |row| {
-            let count: Option<u64> = count(row).into();
-            let shown = count.map_or("-".to_owned(), |n| n.to_string());
-            Cell { shown, values: vec![count.into()] }
-        })
+        self.column(heading, false, &[key], |row| Cell::count(count(row).into()))
     }
 
     /// Adds a column of means and standard deviations.
@@ -93,11 +103,7 @@ impl<'a, R> Columns<'a, R> {
         decimals: usize,
         spread: impl Fn(&R) -> [f64; 2],
     ) -> Self {
-        self.column(heading, false, &keys, |row| {
-            let [mean, std] = spread(row);
-            let shown = format!("{mean:.decimals$} ± {std:.decimals$}");
-            Cell { shown, values: vec![mean.into(), std.into()] }
-        })
+        self.column(heading, false, &keys, |row| Cell::spread(spread(row), decimals))
     }
 
     /// Adds a column of text that follows from other columns.
@@ -112,12 +118,17 @@ impl<'a, R> Columns<'a, R> {
 
     /// Adds a column of any kind.
     pub fn column(mut self, heading: &str, is_text: bool, keys: &[&str], cell: impl Fn(&R) -> Cell) -> Self {
+        self.add(heading, is_text, keys, &cell);
+        self
+    }
+
+    /// Compiled once for all columns of the same rows.
+    fn add(&mut self, heading: &str, is_text: bool, keys: &[&str], cell: &dyn Fn(&R) -> Cell) {
         let keys = keys.iter().map(|&key| key.to_owned()).collect();
         self.columns.push(Column { heading: heading.to_owned(), is_text, keys });
         for (cells, row) in self.cells.iter_mut().zip(self.rows) {
             cells.push(cell(row));
         }
-        self
     }
 
     /// The table.

@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::geometry::Path;
-use crate::geometry::{Footprint, Solid, Vector, direction};
+use crate::geometry::{Footprint, Solid, Vector, direction, left_of};
 use crate::math;
 use crate::options::{passages, straights};
 use crate::world::World;
@@ -15,19 +15,21 @@ const CLEARANCE: f64 = 0.25;
 const SIDES: usize = 48;
 
 fn random_space(rng: &mut ChaCha8Rng) -> Space {
-    let outlines: Vec<Footprint> = (0..7)
-        .map(|_| {
-            let center = Point::new(rng.random_range(1.0..9.0), rng.random_range(0.0..6.0));
-            let radius = rng.random_range(0.2..1.2);
-            if rng.random_bool(0.4) {
-                return Footprint::Disc { center, radius };
-            }
-            let (corners, turn) = (rng.random_range(3..6), rng.random_range(0.0..TAU));
-            let corner = |i: usize| center + direction(turn + TAU * i as f64 / corners as f64) * radius;
-            Footprint::Polygon((0..corners).map(corner).collect())
-        })
-        .collect();
-    Space::new(&outlines.into_iter().map(Solid::single).collect::<Vec<_>>(), Vec::new(), CLEARANCE)
+    Space::new(&random_outlines(rng), Vec::new(), CLEARANCE)
+}
+
+fn random_outlines(rng: &mut ChaCha8Rng) -> Vec<Solid> {
+    let outlines = (0..7).map(|_| {
+        let center = Point::new(rng.random_range(1.0..9.0), rng.random_range(0.0..6.0));
+        let radius = rng.random_range(0.2..1.2);
+        if rng.random_bool(0.4) {
+            return Footprint::Disc { center, radius };
+        }
+        let (corners, turn) = (rng.random_range(3..6), rng.random_range(0.0..TAU));
+        let corner = |i: usize| center + direction(turn + TAU * i as f64 / corners as f64) * radius;
+        Footprint::Polygon((0..corners).map(corner).collect())
+    });
+    outlines.map(Solid::single).collect()
 }
 
 fn roadmap(space: Space, sites: &[Point]) -> Roadmap {
@@ -203,4 +205,50 @@ fn oracle_no_line_is_missed_behind_what_hides_the_rest_of_a_view() {
         }
         assert!(found > 2 * sites.len(), "{found} paths between {} sites", sites.len());
     }
+}
+
+/// Where a path joins a straight part, against places along it: 2 cm apart, then half a millimetre about the
+/// best of these.
+#[test]
+fn oracle_a_path_joins_a_straight_part_where_its_cost_is_least() {
+    const REACH: f64 = 0.8;
+    const APART: f64 = 0.02;
+    let mut rng = ChaCha8Rng::seed_from_u64(21);
+    let (mut compared, mut blocked) = (0, 0);
+    while compared < 40 {
+        let outlines = random_outlines(&mut rng);
+        let mut point = || Point::new(rng.random_range(1.0..9.0), rng.random_range(0.0..6.0));
+        let [p, center] = [point(), point()];
+        let outward = direction(rng.random_range(0.0..TAU));
+        let straight = Straight { center, outward, reach: REACH, barrier: Some(0) };
+        let gap = left_of(outward) * 20.0;
+        let space = || Space::new(&outlines, vec![[center - gap, center + gap]], CLEARANCE);
+        let is_in_front = straight.depth(p) > 0.0 && space().clearance_at(p) == CLEARANCE;
+        if !is_in_front || !space().is_clear_of_obstacles(center, straight.portal()) {
+            continue;
+        }
+        let cost = |length: f64, depth: f64| length + straight::MAX_BACKWARD * (REACH - depth);
+        let cheapest = |depths: &[f64]| {
+            let sites: Vec<Straight> = depths.iter().map(|depth| straight.at(*depth).into()).collect();
+            let roadmap = Roadmap::new(space(), &sites, &[]).expect("few lines");
+            let costs = depths.iter().enumerate().map(|(i, d)| (cost(roadmap.leg(p, i).length, *d), *d));
+            costs.min_by(|a, b| a.0.total_cmp(&b.0)).expect("there are depths")
+        };
+        let steps = |from: f64, by: f64| (1..=40).map(move |i| (from + by * f64::from(i)).clamp(1e-6, REACH));
+        let (_, near) = cheapest(&steps(0.0, APART).collect::<Vec<_>>());
+        let (slow, _) = cheapest(&steps(near - APART, APART / 20.0).collect::<Vec<_>>());
+        let roadmap = Roadmap::new(space(), std::slice::from_ref(&straight), &[]).expect("few lines");
+        let Leg { length, depth } = roadmap.leg(p, 0);
+        if slow.is_infinite() {
+            assert!(length.is_infinite());
+            continue;
+        }
+        let fast = cost(length, depth);
+        assert!((fast - slow).abs() <= 0.001, "from {p} to {center}: {fast} m, not {slow} m");
+        compared += 1;
+        blocked += usize::from(
+            straight.best_join(p).is_none_or(|join| !roadmap.space.can_join(p, join.to, &straight)),
+        );
+    }
+    assert!(blocked > 10, "too few of the joins were worth comparing: {blocked}");
 }
