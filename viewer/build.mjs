@@ -28,6 +28,10 @@ writeFileSync(here("../assets/player.html"), player);
 console.log(`assets/player.html: ${player.length} bytes, sources ${parts.DIGEST}`);
 
 // the page: what a web host serves as it is
+if (!existsSync(here("../crates/web/cocarry.js"))) {
+  console.log("skipped: dist/page; it needs ../crates/web/cocarry.js");
+  process.exit();
+}
 const page = {
   "index.html": read("page/index.html"),
   "page.css": read("src/page.css") + read("page/style.css"),

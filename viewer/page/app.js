@@ -35,7 +35,7 @@ export class App {
       fault: (sentence) => ($("world-fault").textContent = sentence),
       done: (text) => choices.change({ toml: text }),
     });
-    this.map = new WorldMap($("map"), $("map-labels"), (...change) => {
+    this.map = new WorldMap($("map"), $("map-labels"), covered, (...change) => {
       this.editor.change(...change);
       $("undo").disabled = !this.editor.canUndo;
     });
@@ -259,7 +259,7 @@ export class App {
       this.controls.rates();
       if (this.runner.isAtEnd) this.play(false);
     }
-    if (this.view && !this.showsMap && !this.isLost && this.view.draw()) this.shown.first();
+    if (this.showsMap || (!this.isLost && this.view.draw())) this.shown.first();
     requestAnimationFrame((next) => this.frame(next));
   }
 

@@ -99,7 +99,7 @@ export class Controls {
   stances() {
     const { carry, choices } = this.app;
     press($("own"), choices.isOwn);
-    $("own").textContent = choices.isOwn ? "Let a model carry" : "Carry it yourself";
+    $("own").textContent = choices.isOwn ? "Stop carrying" : "Carry it yourself";
     for (const id of ["resist", "lead"]) $(id).hidden = !choices.isOwn;
     press($("resist"), carry.isResisting);
     press($("lead"), carry.isLeading);

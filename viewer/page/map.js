@@ -6,15 +6,17 @@ import { apart } from "../src/lines.js";
 import { luminance } from "../src/labels.js";
 import { isMovable } from "./edit.js";
 
-const MARGIN_PX = 26, MARGIN_M = 1.2;
+// Room around the drawing for the controls, px, and around the paths, m.
+const MARGIN = { side: 20, top: 62, bottom: 62 }, MARGIN_M = 0.8;
+const NARROW_PX = 620, ROW_PX = 40;
 // The size of a key's step, m; with Shift.
 const STEP_M = 0.1, LEAP_M = 0.5;
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
 export class WorldMap {
   // `edit` is told of every change: (kind, ...arguments); `covered` gives boxes in which no label may be.
-  constructor(svg, labels, edit) {
-    Object.assign(this, { svg, folder: labels, edit, tool: "move", isEditable: true });
+  constructor(svg, labels, covered, edit) {
+    Object.assign(this, { svg, folder: labels, edit, covered, tool: "move", isEditable: true });
     this.layers = Object.fromEntries(["ground", "paths", "walls", "openings", "walked", "team", "ends", "draft"].map((name) => [name, element("g", { class: name }, svg)]));
     svg.addEventListener("pointerdown", (event) => this.#press(event));
     svg.addEventListener("pointermove", (event) => this.#drag(event));
@@ -38,9 +40,10 @@ export class WorldMap {
     const { clientWidth: width, clientHeight: height } = this.svg;
     if (!width || !height) return;
     const [w, h] = ends.map(([low, high]) => high - low);
-    const top = MARGIN_PX + 34;
-    this.scale = Math.min((width - 2 * MARGIN_PX) / w, (height - top - MARGIN_PX) / h);
-    this.origin = [width / 2 - (this.scale * (ends[0][0] + ends[0][1])) / 2, (height + top - MARGIN_PX) / 2 + (this.scale * (ends[1][0] + ends[1][1])) / 2];
+    // on a narrow stage the controls have two rows
+    const rows = width < NARROW_PX ? ROW_PX : 0, side = MARGIN.side, top = MARGIN.top + rows, bottom = MARGIN.bottom + rows;
+    this.scale = Math.min((width - 2 * side) / w, (height - top - bottom) / h);
+    this.origin = [width / 2 - (this.scale * (ends[0][0] + ends[0][1])) / 2, (height + top - bottom) / 2 + (this.scale * (ends[1][0] + ends[1][1])) / 2];
     this.svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
   }
 
@@ -86,16 +89,16 @@ export class WorldMap {
   }
 
   #walls(world) {
-    const index = new Map((this.file?.obstacle ?? []).map(({ name }, i) => [name, i]));
+    // an obstacle with holes is drawn in parts
     const parts = new Map();
     for (const obstacle of world.obstacles) {
       const d = obstacle.corners ? `M${this.#line(obstacle.corners)}Z` : round(this.at(obstacle.center), obstacle.radius * this.scale);
-      parts.set(obstacle.name, (parts.get(obstacle.name) ?? "") + d);
+      parts.set(obstacle.index, (parts.get(obstacle.index) ?? "") + d);
     }
-    for (const [name, d] of parts) {
-      const i = index.get(name), item = this.file?.obstacle?.[i];
+    for (const [i, d] of parts) {
+      const item = this.file?.obstacle?.[i];
       const isHandle = this.isEditable && item && isMovable(item);
-      const group = element("g", isHandle ? handle(`obstacle:${i}`, `Obstacle ${name}${place(item)}`) : {}, this.layers.walls);
+      const group = element("g", isHandle ? handle(`obstacle:${i}`, `Obstacle ${item.name}${place(item)}`) : {}, this.layers.walls);
       if (isHandle) element("path", { d, class: "grasp" }, group);
       element("path", { d, class: "wall" }, group);
     }
@@ -113,7 +116,7 @@ export class WorldMap {
   #labels(world, options) {
     this.folder.replaceChildren();
     const { clientWidth: width, clientHeight: height } = this.svg;
-    const taken = [this.at(world.start), this.at(world.target)].map(([x, y]) => [x - 14, y - 14, x + 14, y + 14]);
+    const taken = [...this.covered(), ...[world.start, world.target].map(this.at).map(([x, y]) => [x - 14, y - 14, x + 14, y + 14])];
     const put = (html, kind, at, style) => {
       const label = document.createElement("div");
       label.className = kind;

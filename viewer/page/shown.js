@@ -53,7 +53,7 @@ export class Shown {
   // Says when the first picture was there.
   first() {
     if (document.body.dataset.drawn) return;
-    this.app.view.settle();
+    if (!this.app.showsMap) this.app.view.settle();
     document.body.dataset.drawn = performance.now().toFixed(0);
   }
 }
@@ -61,7 +61,7 @@ export class Shown {
 // The parts of the picture in which no label may be.
 export function covered() {
   const { left, top } = $("stage").getBoundingClientRect();
-  return ["cameras", "leader", "caption", "carry"].map((id) => {
+  return ["cameras", "leader", "caption", "tools", "carry"].map((id) => {
     const box = $(id).getBoundingClientRect();
     return [box.left - left, box.top - top, box.right - left, box.bottom - top];
   });
