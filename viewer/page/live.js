@@ -37,10 +37,10 @@ export class LiveEpisode extends Episode {
     this.outcomes = outcomes;
     this.isFelt = isFelt;
     this.isRunning = true;
-    // until how long the longest likely walk takes
-    this.expected = 0;
+    // when it will probably end, s: before the first step, as on the shortest option
+    const shortest = Math.min(...core.part("option_length"));
+    this.expected = shortest > 0 ? Math.ceil(shortest / scenario.speed_m_per_s) : 10;
     this.note();
-    this.expected = 1.15 * (core.value("path_length") / scenario.speed_m_per_s) + 2;
     this.pathNow();
     this.listen();
   }
@@ -92,6 +92,8 @@ export class LiveEpisode extends Episode {
         });
       }
     }
+    const left = (core.value("path_length") - core.value("along")) / this.facts.speed_m_per_s;
+    if (left > 0 && Number.isFinite(left)) this.expected = Math.max(this.expected, Math.ceil(1.05 * (time + left)));
     const state = {
       step: core.value("step"), mode: core.value("mode"), executed: core.value("executed"), preferred: core.value("preferred"),
       phi: core.value("stubbornness"), probabilities: [...core.part("option_probability")],
