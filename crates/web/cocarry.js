@@ -178,6 +178,8 @@ export class Episode {
   events = () => this.#json("events");
   /** The path ahead. */
   path = () => this.#json("path").points;
+  /** The regions of the (alpha, gamma) plane from where the team is. */
+  regions = () => this.#json("regions");
   /** The figures of the episode so far. */
   summary = () => this.#json("summary");
   /** Scenario, decisions and digests: what a replay needs. */
