@@ -1,7 +1,7 @@
 //! How a step is carried out: everybody moves, one control period at a time.
 
-use super::robot_tick::{Period, RobotTick};
 use super::outcome::Done;
+use super::robot_tick::{Period, RobotTick};
 use super::step::Begun;
 use super::{Episode, Tick};
 use crate::controller::Way;

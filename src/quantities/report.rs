@@ -17,7 +17,9 @@ impl View<'_> {
              accumulated subjective cost {subjective_cost:.2}",
             100.0 * summary.human.share_off_preference(summary.steps)
         );
-        if let (Some((robot, setup)), Some(control)) = (self.prepared.robot().zip(self.prepared.scenario().plant.robot_setup()), &summary.control) {
+        if let (Some((robot, setup)), Some(control)) =
+            (self.prepared.robot().zip(self.prepared.scenario().plant.robot_setup()), &summary.control)
+        {
             text += &self.control_text(robot, &setup.posture, control);
         }
         text
@@ -74,8 +76,11 @@ impl View<'_> {
 
     /// Warnings about the episode: a grasp far from its reference, and a robot that touched itself.
     pub fn warnings(&self) -> Vec<String> {
-        let control =
-            self.episode.summary().control.map(|control| (control.error_rms(self.episode.summary().steps), control));
+        let control = self
+            .episode
+            .summary()
+            .control
+            .map(|control| (control.error_rms(self.episode.summary().steps), control));
         let off = control.filter(|(rms, _)| *rms >= GRASP_WARNING_RMS_M).map(|(rms, control)| {
             format!(
                 "the grasp is {:.1} cm (rms), {:.1} cm at most, from its reference on the planned path: the robot does not keep up, \

@@ -149,14 +149,18 @@ impl Decisions {
     pub fn partners(self, prepared: &PreparedScenario) -> Partners<'static> {
         let has_robot = prepared.robot().is_some();
         let log = Arc::new(self);
-        let changes = if log.has_changes { &prepared.scenario().changes[..] } else { &[] };
-        let changes = PreferenceChange::in_force(changes);
-        let human = LoggedHuman { log: Arc::clone(&log), changes, is_tried: Arc::default(), step: 0 };
-        let policy = log.policy.as_ref().map(|policy| {
-            let PolicyLog { initial_mode, predicts, .. } = *policy;
-            Box::new(LoggedPolicy { log: Arc::clone(&log), initial_mode, predicts, has_robot }) as _
-        });
-        Partners { human: log.human.is_some().then(|| Box::new(human) as _), policy }
+        let mut partners = Partners::default();
+        if log.human.is_some() {
+            let changes = if log.has_changes { &prepared.scenario().changes[..] } else { &[] };
+            let changes = PreferenceChange::in_force(changes);
+            let human = LoggedHuman { log: Arc::clone(&log), changes, is_tried: Arc::default(), step: 0 };
+            partners.human = Some(Box::new(human));
+        }
+        if let Some(PolicyLog { initial_mode, predicts, .. }) = log.policy {
+            let policy = LoggedPolicy { log: Arc::clone(&log), initial_mode, predicts, has_robot };
+            partners.policy = Some(Box::new(policy));
+        }
+        partners
     }
 }
 

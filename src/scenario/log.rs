@@ -16,6 +16,9 @@ pub struct EpisodeLog {
     pub version: u32,
     /// The scenario's text (TOML).
     pub scenario: String,
+    /// The [stamp](crate::arithmetic::stamp) of the arithmetic that it was logged with.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub arithmetic: String,
     /// The decisions from outside.
     #[serde(default, skip_serializing_if = "Decisions::is_empty")]
     pub decisions: Decisions,

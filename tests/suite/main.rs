@@ -11,6 +11,7 @@ mod changes;
 mod closed_loop;
 mod command_line;
 mod crowded_worlds;
+mod demo;
 mod detection;
 mod determinism;
 mod drives;

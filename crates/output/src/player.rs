@@ -180,4 +180,3 @@ pub fn shape(geometry: &Geometry, meshes: &mut Meshes<'_>) -> Result<Value, Erro
     drawn["colour"] = geometry.color.map(|colour| colour.to_vec()).into();
     Ok(drawn)
 }
-

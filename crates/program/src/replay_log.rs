@@ -4,6 +4,7 @@ use super::output::{Failure, counted, input, print_verdict};
 use super::record::output;
 use super::replay::ReplayArguments;
 use anyhow::Context;
+use cocarry::arithmetic;
 use cocarry::episode::{Episode, Outcome};
 use cocarry::located;
 use cocarry::scenario::{EpisodeLog, PreparedScenario};
@@ -48,12 +49,19 @@ pub(super) fn run_log(arguments: &ReplayArguments) -> Result<ExitCode, Failure> 
         recorder.finish(&episode, outcome.map_or(Ending::Interrupted, Ending::Over)).map_err(output)?;
     }
     let difference = difference.or_else(|| ends_otherwise(&log, &episode, outcome));
+    let ours = arithmetic::stamp();
+    let other = match &*log.arithmetic {
+        theirs if theirs.is_empty() || theirs == ours => String::new(),
+        theirs => format!(
+            "logged with arithmetic {theirs}, run again with {ours}: the last bits of their results differ\n"
+        ),
+    };
     let so_far = format!("{}, up to {:.1} s", counted(same, "digest"), seconds(&prepared, &episode));
     match difference {
-        None => print_verdict(&format!("{name}: identical: {so_far}\n"), true)?,
+        None => print_verdict(&format!("{name}: identical: {so_far}\n{other}"), true)?,
         Some(difference) => {
             let text = format!(
-                "{name}: differs after {}: {difference}\nidentical before that: {so_far}\n",
+                "{name}: differs after {}: {difference}\nidentical before that: {so_far}\n{other}",
                 counted(episode.summary().steps, "step")
             );
             print_verdict(&text, false)?;

@@ -1,15 +1,15 @@
 //! An open episode: its steps, the decisions from outside, and what it answers.
 
 use crate::state::{Layout, State, current_options};
+use crate::steering::{SteeredHuman, SteeredPolicy, Steering};
 use crate::world::{evaluated, plane};
-use crate::steering::{Steering, SteeredHuman, SteeredPolicy};
 use cocarry::Error;
 use cocarry::episode::{Episode, OptionTick, Outcome, Tick};
 use cocarry::geometry::Point;
 use cocarry::human::Stance;
 use cocarry::policy::{Decision, Lead, RobotPolicy};
 use cocarry::preference::Prospect;
-use cocarry::quantities::{EPISODE, Event, Heading, Kind, LEARNED, Severity, View};
+use cocarry::quantities::{EPISODE, Event, Heading, Kind, LEARNED, Severity, Value as Figure, View};
 use cocarry::robot::Robot;
 use cocarry::scenario::{
     Decisions, EpisodeLog, MAX_MOTION, Partners, PolicyLog, PreparedScenario, Scenario, Snapshot,
@@ -105,8 +105,12 @@ impl Open {
             steering.now().is_trial = false;
             Ok::<_, Error>(Running(episode?))
         })?;
-        let policy =
-            PolicyLog { initial_mode: policy.initial_mode(), predicts: policy.predicts(), trial: None, steps: Vec::new() };
+        let policy = PolicyLog {
+            initial_mode: policy.initial_mode(),
+            predicts: policy.predicts(),
+            trial: None,
+            steps: Vec::new(),
+        };
         let prepared = cell.borrow_owner();
         let layout = Layout::of(prepared);
         let at_start = evaluated(prepared.options(), &mut prepared.scenario().settings.predictor.clone());
@@ -152,7 +156,8 @@ impl Open {
             1 => Some(Stance::Resist),
             2 => Some(Stance::TakeOver),
             _ => {
-                let sentence = format!("stance = {stance}; it must be 0 follow, 1 resist, 2 take over, or -1");
+                let sentence =
+                    format!("stance = {stance}; it must be 0 follow, 1 resist, 2 take over, or -1");
                 return Err(Error::new(sentence));
             }
         };
@@ -283,7 +288,7 @@ impl Open {
             decided.add(episode);
         }
         let steps = episode.summary().steps;
-        if steps.is_multiple_of(steps_per_second(prepared)) || self.outcome.is_some() {
+        if steps % steps_per_second(prepared) == 0 || self.outcome.is_some() {
             self.digests.push((steps, digest(episode)));
         }
         let mut events = Event::decided(self.before.as_ref(), tick, episode.change(), options);
@@ -362,6 +367,8 @@ impl Open {
     pub fn summary(&self) -> Value {
         let view = self.view();
         let figures = view.read(EPISODE).into_iter().zip(EPISODE).map(|((key, value), quantity)| {
+            // no outcome yet is not an interruption
+            let value = if key == "outcome" && self.outcome.is_none() { Figure::Missing } else { value };
             let Heading { description, kind, .. } = Heading::from(quantity);
             let unit = if let Kind::Number(unit) = kind { unit } else { "" };
             json!({ "key": key, "unit": unit, "description": description, "value": value })
@@ -394,6 +401,7 @@ impl Open {
         let log = EpisodeLog {
             version: EpisodeLog::VERSION,
             scenario: self.cell.borrow_owner().scenario().text()?,
+            arithmetic: cocarry::arithmetic::stamp().to_owned(),
             decisions,
             digests: self.digests.clone(),
             steps: self.steps(),

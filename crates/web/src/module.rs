@@ -135,7 +135,8 @@ impl Module {
     /// It is not JSON, or has another form.
     pub fn take_json<T: DeserializeOwned>(&mut self, what: &str) -> Result<T, Error> {
         let bytes = self.take_bytes();
-        serde_json::from_slice(&bytes).map_err(|error| Error::new(format!("{what} is not valid")).because(error))
+        serde_json::from_slice(&bytes)
+            .map_err(|error| Error::new(format!("{what} is not valid")).because(error))
     }
 
     /// Opens an episode; its handle.

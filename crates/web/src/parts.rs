@@ -129,7 +129,8 @@ impl Parts {
         let kind = self.plant_kind()?;
         let idle = settings.iter().find(|(setting, _)| !setting.applies.is_on(kind, true));
         if let Some((setting, _)) = idle {
-            let sentence = format!("needs {}, which the plant {} does not have", setting.applies.what(), kind.name());
+            let sentence =
+                format!("needs {}, which the plant {} does not have", setting.applies.what(), kind.name());
             return Err(Error::at(Place::item("settings", setting.key), sentence));
         }
         if kind == PlantKind::Point {

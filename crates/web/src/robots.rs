@@ -84,7 +84,9 @@ pub fn describe(request: Request) -> Result<Value, Error> {
     let read = |path: &Path| {
         let end = path.to_string_lossy();
         let found = files.files.iter().find(|(name, _)| end.ends_with(name));
-        found.map(|(_, bytes)| bytes.to_vec()).ok_or_else(|| Error::at(Place::file(end), "no mesh of this robot"))
+        found
+            .map(|(_, bytes)| bytes.to_vec())
+            .ok_or_else(|| Error::at(Place::file(end), "no mesh of this robot"))
     };
     let mut meshes = Meshes::new(Some(&read));
     let links = robot.links.iter().map(|link| {
@@ -123,7 +125,8 @@ mod tests {
     fn hulls_are_those_of_the_mesh_files() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
         for (name, text) in HULLS {
-            let robot = Robot::load(&folder.join("../../assets/robots").join(format!("{name}.toml"))).unwrap();
+            let robot =
+                Robot::load(&folder.join("../../assets/robots").join(format!("{name}.toml"))).unwrap();
             let hulls = json!(robot.texts)["hulls"].to_string() + "\n";
             if std::env::var_os("COCARRY_UPDATE_WEB").is_some() {
                 std::fs::write(folder.join(format!("robots/{name}.json")), &hulls).unwrap();

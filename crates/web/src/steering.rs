@@ -130,7 +130,8 @@ impl RobotPolicy for SteeredPolicy {
         let own = self.policy.decide(view);
         let mut steered = self.steering.now();
         let logged = steered.log.policy(view.step, steered.is_trial).copied();
-        let decision = logged.or(steered.lead.map(|lead| Decision { lead, ..Decision::follow() })).unwrap_or(own);
+        let decision =
+            logged.or(steered.lead.map(|lead| Decision { lead, ..Decision::follow() })).unwrap_or(own);
         steered.was_outside[1] |= logged.is_some() || decision != own;
         if steered.is_trial {
             steered.trial.1 = Some(decision);

@@ -42,7 +42,8 @@ pub fn world(request: Request) -> Result<Value, Error> {
     let file = file.as_deref().or(name.as_deref()).unwrap_or(FILE);
     let built_in = name.as_deref().and_then(BuiltInWorld::named).map(|world| world.text);
     let text = text.as_deref().or(built_in);
-    let text = text.ok_or_else(|| Error::new("the request of a world needs its text, or the name of a built-in one"))?;
+    let text = text
+        .ok_or_else(|| Error::new("the request of a world needs its text, or the name of a built-in one"))?;
     let mut predictor = predictor(&settings, &belief)?;
     let world = World::parse_for(file, text, if robot_width_m > 0.0 { robot_width_m } else { 0.0 })?;
     let set = OptionSet::new(&world, predictor.risk_weight())?;

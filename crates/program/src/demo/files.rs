@@ -6,10 +6,9 @@ use std::borrow::Cow;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// The built page: names and contents. `crates/web/build` writes the file.
+/// The built page: names and contents. `crates/web/build` writes the list.
 #[cfg(feature = "page")]
-#[path = "../../../../viewer/dist/page.rs"]
-mod built;
+const BUILT: &[(&str, &[u8])] = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../viewer/dist/page.rs"));
 
 /// Where the page is in a clone of the project.
 const IN_CLONE: &str = "viewer/dist/page";
@@ -49,7 +48,7 @@ impl Pages {
             };
         }
         #[cfg(feature = "page")]
-        return Ok(Self::Built(built::FILES));
+        return Ok(Self::Built(BUILT));
         #[cfg(not(feature = "page"))]
         match Path::new(IN_CLONE).join(INDEX).is_file() {
             true => Ok(Self::Folder(Path::new(IN_CLONE).canonicalize().context(IN_CLONE)?)),
@@ -126,9 +125,17 @@ mod tests {
 
     #[test]
     fn nothing_else_has_a_path() {
-        for path in
-            ["", "index.html", "//index.html", "/../index.html", "/%2e%2e/x", "/.secret", "/a\\b", "/a\0", "/other"]
-        {
+        for path in [
+            "",
+            "index.html",
+            "//index.html",
+            "/../index.html",
+            "/%2e%2e/x",
+            "/.secret",
+            "/a\\b",
+            "/a\0",
+            "/other",
+        ] {
             assert_eq!(BUILT.get(path), None, "{path}");
         }
     }

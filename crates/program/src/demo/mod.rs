@@ -38,7 +38,8 @@ pub(super) fn run_demo(arguments: &DemoArguments) -> Result<ExitCode, Failure> {
     let pages = Pages::find(arguments.page.as_deref()).map_err(input)?;
     let listener = listen(arguments.port).map_err(input)?;
     let interrupt = Interrupt::caught()?;
-    let server = Server::start(listener, pages).context("the page cannot be served").map_err(Failure::Output)?;
+    let server =
+        Server::start(listener, pages).context("the page cannot be served").map_err(Failure::Output)?;
     let address = format!("http://{}/", server.address());
     print(&format!("the page is at {address}\nCtrl-C ends it\n"))?;
     if !arguments.no_browser && !open(&address) {

@@ -109,10 +109,15 @@ fn serve(mut stream: TcpStream, pages: &Pages, port: u16) -> io::Result<()> {
         }
         Some(Request { method, .. }) if !["GET", "HEAD"].contains(&method) => {
             let sentence = "only GET and HEAD\n";
-            (answer("405 Method Not Allowed", "text/plain", sentence.len(), "Allow: GET, HEAD\r\n"), sentence.into())
+            (
+                answer("405 Method Not Allowed", "text/plain", sentence.len(), "Allow: GET, HEAD\r\n"),
+                sentence.into(),
+            )
         }
         Some(Request { method, path, .. }) => match pages.get(path) {
-            None => (refused("404 Not Found", "there is no such file\n"), b"there is no such file\n".to_vec()),
+            None => {
+                (refused("404 Not Found", "there is no such file\n"), b"there is no such file\n".to_vec())
+            }
             Some(served) => {
                 let start = answer("200 OK", served.mime, served.bytes.len(), "");
                 (start, if method == "HEAD" { Vec::new() } else { served.bytes.into_owned() })
@@ -145,7 +150,8 @@ fn parsed(head: &str) -> Option<Request<'_>> {
         return None;
     }
     let headers = lines.filter_map(|line| line.split_once(':'));
-    let mut hosts = headers.filter(|(name, _)| name.eq_ignore_ascii_case("host")).map(|(_, host)| host.trim());
+    let mut hosts =
+        headers.filter(|(name, _)| name.eq_ignore_ascii_case("host")).map(|(_, host)| host.trim());
     let host = hosts.next();
     // of two, nobody knows which one holds
     hosts.next().is_none().then_some(Request { method, path, host })
@@ -194,7 +200,10 @@ mod tests {
         for host in ["127.0.0.1:PORT", "localhost:PORT"] {
             let answer = asked(&format!("GET / HTTP/1.1\r\nHost: {host}\r\n\r\n"));
             assert!(answer.starts_with("HTTP/1.1 200 OK\r\nContent-Type: text/html"), "{answer}");
-            assert!(answer.contains("Content-Length: 8\r\n") && answer.ends_with("\r\n\r\nthe page"), "{answer}");
+            assert!(
+                answer.contains("Content-Length: 8\r\n") && answer.ends_with("\r\n\r\nthe page"),
+                "{answer}"
+            );
             assert!(answer.contains("Cache-Control: no-store\r\n"), "{answer}");
         }
         let answer = asked("HEAD / HTTP/1.1\r\nhost: localhost:PORT\r\n\r\n");

@@ -19,9 +19,8 @@ pub(super) fn read<R: std::io::Read>(
     attachment: &Attachment,
 ) -> Result<Decisions, ReadError> {
     let lacks = |what: String| ReadError::Lacks { file: reader.name().to_owned(), what };
-    let log: Decisions = serde_json::from_slice(&attachment.data).map_err(|error| {
-        lacks(format!("its attachment {DECISIONS} is not a log of decisions: {error}"))
-    })?;
+    let log: Decisions = serde_json::from_slice(&attachment.data)
+        .map_err(|error| lacks(format!("its attachment {DECISIONS} is not a log of decisions: {error}")))?;
     match log.is_bounded() {
         true => Ok(log),
         false => Err(lacks(format!("its attachment {DECISIONS} has a motion beyond {MAX_MOTION}"))),

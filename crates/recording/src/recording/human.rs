@@ -6,7 +6,9 @@
 use super::frames::{HUMAN, WORLD, transform};
 use super::shapes::{Shapes, moving, rgba};
 use cocarry::geometry::Pose;
-use cocarry_output::figure::{ANKLE, FOREARM, GRIP, HIP, HIP_HALF, LIMBS, REACH, SHIN, SHOULDER, STANCE, STRIDE, THIGH, UPPER_ARM};
+use cocarry_output::figure::{
+    ANKLE, FOREARM, GRIP, HIP, HIP_HALF, LIMBS, REACH, SHIN, SHOULDER, STANCE, STRIDE, THIGH, UPPER_ARM,
+};
 use cocarry_output::palette;
 use foxglove::messages::{FrameTransform, Quaternion, SceneEntity};
 use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};

@@ -50,7 +50,7 @@ fn episode(playback: &Playback, title: &str, robot: Option<&Robot>) -> Result<Va
         }
         found_robot = Some(found);
     }
-    let mut meshes = Meshes::new(found_robot.map(|_| &read_mesh as _));
+    let mut meshes = Meshes::new(if found_robot.is_some() { Some(&read_mesh) } else { None });
     let links = found_robot.or(recorded).map_or(&[][..], |robot| &robot.links);
     let shapes: Vec<Vec<Value>> =
         links.iter().map(|link| shapes(link, &mut meshes)).collect::<Result<_, _>>()?;
