@@ -81,7 +81,7 @@ export class Module {
 
   /** Makes bytes the input of the next call. */
   write(bytes) {
-    const address = this.call("input", 0, bytes.length);
+    const address = this.call("input", 0, bytes.length) >>> 0;
     new Uint8Array(this.#exports.memory.buffer, address, bytes.length).set(bytes);
   }
 
@@ -103,7 +103,7 @@ export class Module {
   bytes() {
     const { memory, cocarry_output, cocarry_output_length } = this.#exports;
     const length = cocarry_output_length();
-    return new Uint8Array(memory.buffer, cocarry_output(), length).slice();
+    return new Uint8Array(memory.buffer, cocarry_output() >>> 0, length).slice();
   }
 
   text() {
@@ -112,7 +112,7 @@ export class Module {
 
   /** A view of numbers in the module's memory, valid until the next call. */
   numbers(address, length) {
-    return new Float64Array(this.#exports.memory.buffer, address, length);
+    return new Float64Array(this.#exports.memory.buffer, address >>> 0, length);
   }
 }
 
