@@ -61,5 +61,6 @@ mod terminal;
 mod ties;
 mod walks;
 mod ways;
+mod web;
 mod worlds;
 mod xacros;

@@ -6,7 +6,7 @@ use crate::world::{evaluated, plane};
 use cocarry::Error;
 use cocarry::episode::{Episode, OptionTick, Outcome, Tick};
 use cocarry::geometry::Point;
-use cocarry::human::Stance;
+use cocarry::human::{HumanDecision, Stance};
 use cocarry::policy::{Decision, Lead, RobotPolicy};
 use cocarry::preference::Prospect;
 use cocarry::quantities::{EPISODE, Event, Heading, Kind, LEARNED, Severity, Value as Figure, View};
@@ -358,7 +358,7 @@ impl Open {
             "world": player::world(world),
             "options": (0..options.options().len()).map(|o| player::option(o, options, world)).collect::<Vec<_>>(),
             "robot": prepared.robot().map(named),
-            "warnings": [world.warnings(), prepared.warnings()].concat(),
+            "warnings": ([world.warnings(), prepared.warnings()].concat()),
             "state": self.state.layout().describe(),
         })
     }
@@ -393,9 +393,11 @@ impl Open {
         })?;
         let steered = self.steering.now();
         let [human, policy] = steered.was_outside;
-        let differs = |trial| decided.human(0, false).filter(|first| *first != trial).map(|_| *trial);
+        let differs =
+            |trial: &HumanDecision| decided.human(0, false).filter(|first| *first != trial).map(|_| *trial);
         let human_trial = steered.trial.0.as_ref().and_then(differs);
-        let differs = |trial| decided.policy(0, false).filter(|first| *first != trial).map(|_| *trial);
+        let differs =
+            |trial: &Decision| decided.policy(0, false).filter(|first| *first != trial).map(|_| *trial);
         let policy_trial: Option<Decision> = steered.trial.1.as_ref().and_then(differs);
         let decisions = decided.clone().with_trials(human_trial, policy_trial).only(human, policy);
         let log = EpisodeLog {

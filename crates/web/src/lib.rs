@@ -15,4 +15,6 @@ mod steering;
 mod world;
 
 pub use exports::*;
+pub use module::host;
+pub use robots::HULLS;
 pub use state::javascript;

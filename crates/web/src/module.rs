@@ -79,6 +79,27 @@ pub fn input(length: usize) -> *mut u8 {
     })
 }
 
+/// For hosts in Rust, such as tests: makes bytes the input, and reads the output, without addresses.
+pub mod host {
+    use super::MODULE;
+
+    /// Makes bytes the input.
+    pub fn write(bytes: &[u8]) {
+        assert!(!super::input(bytes.len()).is_null(), "at most {} bytes", super::MAX_INPUT);
+        MODULE.with_borrow_mut(|module| module.input.copy_from_slice(bytes));
+    }
+
+    /// The output.
+    pub fn output() -> Vec<u8> {
+        MODULE.with_borrow(|module| module.output.clone())
+    }
+
+    /// The state of an episode; `None` if there is none of this handle.
+    pub fn state(handle: u32) -> Option<Vec<f64>> {
+        MODULE.with_borrow(|module| Some(module.episodes.get(&handle)?.state().to_vec()))
+    }
+}
+
 /// Address and length of the output.
 pub fn output() -> (*const u8, usize) {
     OUTPUT.get()

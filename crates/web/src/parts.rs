@@ -69,7 +69,7 @@ pub fn predictor(settings: &SettingsPart, belief: &BeliefPart) -> Result<Predict
 impl BeliefPart {
     fn predictor(&self) -> Result<Predictor, Error> {
         let Self { alpha, gamma } = self;
-        let (Belief::Independent { alpha: own_alpha, gamma: own_gamma }) = Belief::default() else {
+        let Belief::Independent { alpha: own_alpha, gamma: own_gamma } = Belief::default() else {
             return Ok(Predictor::default());
         };
         let marginal = |key: &str, given: &Option<String>, own: Marginal| match given {
@@ -232,6 +232,6 @@ pub fn scenario(parts: Parts) -> Result<serde_json::Value, Error> {
         "alpha": scenario.human.alpha,
         "gamma": scenario.human.gamma,
         "method": method.name(),
-        "warnings": [prepared.world().warnings(), prepared.warnings()].concat(),
+        "warnings": ([prepared.world().warnings(), prepared.warnings()].concat()),
     }))
 }

@@ -18,7 +18,7 @@ use std::path::Path;
 /// The robot of `cocarry run` without a robot file.
 pub const BUILT_IN: &str = "carrier";
 /// The hulls of the collision meshes, which the program makes of the mesh files. A test writes them.
-const HULLS: [(&str, &str); 2] =
+pub const HULLS: [(&str, &str); 2] =
     [("porter", include_str!("../robots/porter.json")), ("shuttle", include_str!("../robots/shuttle.json"))];
 
 thread_local! {
@@ -114,25 +114,4 @@ pub fn describe(request: Request) -> Result<Value, Error> {
 fn joint(joint: &ArmJoint) -> Value {
     let turns = joint.motion == Motion::Revolute;
     json!({ "name": joint.name, "turns": turns, "lower": joint.lower, "upper": joint.upper })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The files are renewed by this test with `COCARRY_UPDATE_WEB=1`.
-    #[test]
-    fn hulls_are_those_of_the_mesh_files() {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
-        for (name, text) in HULLS {
-            let robot =
-                Robot::load(&folder.join("../../assets/robots").join(format!("{name}.toml"))).unwrap();
-            let hulls = json!(robot.texts)["hulls"].to_string() + "\n";
-            if std::env::var_os("COCARRY_UPDATE_WEB").is_some() {
-                std::fs::write(folder.join(format!("robots/{name}.json")), &hulls).unwrap();
-            } else {
-                assert!(hulls == text, "{name}: renew with COCARRY_UPDATE_WEB=1 cargo test -p cocarry-web");
-            }
-        }
-    }
 }

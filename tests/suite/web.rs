@@ -1,25 +1,14 @@
-//! The module's functions as a host calls them, on this machine.
-#![allow(unsafe_code, reason = "a host writes into the module's memory")]
+//! The functions of the WebAssembly module as a host calls them, on this machine.
 
+use crate::support::repository;
+use cocarry::geometry::{PlanarPose, Point};
+use cocarry::robot::{Configuration, Robot};
+use cocarry_web::host::{output, state, write};
 use cocarry_web::*;
 use serde_json::{Value, json};
 
-/// Makes bytes the input.
-fn write(bytes: &[u8]) {
-    let address = cocarry_input(bytes.len());
-    assert!(!address.is_null());
-    // the module has just made room for so many
-    unsafe { std::slice::from_raw_parts_mut(address, bytes.len()) }.copy_from_slice(bytes);
-}
-
-fn output() -> Vec<u8> {
-    let length = cocarry_output_length();
-    if length == 0 {
-        Vec::new()
-    } else {
-        unsafe { std::slice::from_raw_parts(cocarry_output(), length) }.to_vec()
-    }
-}
+/// Files that follow from others are written anew with this variable set.
+const UPDATE: &str = "COCARRY_UPDATE_WEB";
 
 fn text() -> String {
     String::from_utf8(output()).expect("UTF-8")
@@ -56,9 +45,10 @@ fn part(handle: u32, name: &str) -> Vec<f64> {
     let fields = described["fields"].as_array().unwrap();
     let field = fields.iter().find(|field| field["name"] == name).unwrap_or_else(|| panic!("{name}"));
     let [offset, count] = ["offset", "count"].map(|key| field[key].as_u64().unwrap() as usize);
-    let address = cocarry_state(handle);
-    assert!(!address.is_null() && offset + count <= described["length"].as_u64().unwrap() as usize);
-    unsafe { std::slice::from_raw_parts(address.add(offset), count) }.to_vec()
+    assert!(!cocarry_state(handle).is_null());
+    let numbers = state(handle).unwrap();
+    assert_eq!(numbers.len() as u64, described["length"].as_u64().unwrap());
+    numbers[offset..offset + count].to_vec()
 }
 
 fn digest(handle: u32) -> String {
@@ -68,13 +58,13 @@ fn digest(handle: u32) -> String {
 
 #[test]
 fn the_table_of_the_state_is_the_one_in_javascript() {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/state.js");
-    if std::env::var_os("COCARRY_UPDATE_WEB").is_some() {
-        std::fs::write(file, javascript()).unwrap();
+    let file = repository("crates/web/state.js");
+    if std::env::var_os(UPDATE).is_some() {
+        std::fs::write(&file, javascript()).unwrap();
     }
-    let written = std::fs::read_to_string(file).unwrap();
-    assert!(written == javascript(), "renew state.js with COCARRY_UPDATE_WEB=1 cargo test -p cocarry-web");
-    let readme = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/README.md")).unwrap();
+    let written = std::fs::read_to_string(&file).unwrap();
+    assert!(written == javascript(), "renew state.js: {UPDATE}=1 cargo test --test suite web");
+    let readme = std::fs::read_to_string(repository("crates/web/README.md")).unwrap();
     for line in javascript().lines().filter_map(|line| line.trim().strip_prefix("{ name: \"")) {
         let (name, _) = line.split_once('"').unwrap();
         assert!(readme.contains(&format!("\n| `{name}` |")), "README.md does not have {name}");
@@ -127,9 +117,11 @@ fn a_world_that_is_dragged_has_options_and_regions() {
     let bad = text.replacen("robot_width_m", "robot_wdth_m", 1);
     let error = refused(json!({ "text": bad, "file": "mine.toml" }).to_string().as_bytes(), cocarry_world);
     assert!(error.starts_with("mine.toml") && error.contains("robot_wdth_m"), "{error}");
-    // a wider robot closes openings
-    let wide = asked(&json!({ "name": "environment-4", "robot_width_m": 1.2 }), cocarry_world);
-    assert_eq!((&wide["is_widened"], &wide["robot_width_m"]), (&json!(true), &json!(1.2)));
+    // the world of a wider robot
+    let wide = asked(&json!({ "name": "environment-4", "robot_width_m": 1.0 }), cocarry_world);
+    assert_eq!((&wide["is_widened"], &wide["robot_width_m"]), (&json!(true), &json!(1.0)));
+    let error = refused(br#"{"name":"environment-4","robot_width_m":1.2}"#, cocarry_world);
+    assert!(error.contains("xi1") && error.contains("impassable"), "{error}");
 }
 
 #[test]
@@ -145,16 +137,26 @@ fn every_robot_is_drawn_and_is_the_exported_one() {
         let scenario = cocarry::scenario::Scenario::parse(scenario["scenario"].as_str().unwrap()).unwrap();
         let ours = scenario.plant.robot_setup().unwrap().robot.robot().unwrap();
         if robot != "carrier" {
-            let file = format!("{}/../../assets/robots/{robot}.toml", env!("CARGO_MANIFEST_DIR"));
-            let loaded = cocarry::robot::Robot::load(file.as_ref()).unwrap();
-            let poses = |robot: &cocarry::robot::Robot| {
-                let base =
-                    cocarry::geometry::PlanarPose { position: cocarry::geometry::Point::origin(), yaw: 0.3 };
-                let joints = robot.postures[0].joints;
-                robot.link_poses(&cocarry::robot::Configuration { base, joints })
+            let loaded = Robot::load(&repository(&format!("assets/robots/{robot}.toml"))).unwrap();
+            let poses = |robot: &Robot| {
+                let base = PlanarPose { position: Point::origin(), yaw: 0.3 };
+                robot.link_poses(&Configuration { base, joints: robot.postures[0].joints })
             };
             assert_eq!(poses(&ours), poses(&loaded), "{robot}");
             assert_eq!(ours.footprint, loaded.footprint, "{robot}");
+        }
+    }
+}
+
+#[test]
+fn hulls_are_those_of_the_mesh_files() {
+    for (name, text) in HULLS {
+        let robot = Robot::load(&repository(&format!("assets/robots/{name}.toml"))).unwrap();
+        let hulls = json!(robot.texts)["hulls"].to_string() + "\n";
+        if std::env::var_os(UPDATE).is_some() {
+            std::fs::write(repository(&format!("crates/web/robots/{name}.json")), &hulls).unwrap();
+        } else {
+            assert!(hulls == text, "{name}: renew with {UPDATE}=1 cargo test --test suite web");
         }
     }
 }
@@ -334,12 +336,12 @@ fn hostile_texts_are_refused_in_a_sentence() {
     let log = answer(cocarry_log(handle)).to_string();
     let request = json!({ "name": "environment-4", "regions": true }).to_string();
     let parts = json!({ "world": "environment-1", "plant": "point", "settings": { "eta": 3 } }).to_string();
-    let readers: [(&[u8], extern "C" fn() -> u32); 5] = [
-        (scenario, cocarry_open),
-        (log.as_bytes(), cocarry_replay),
-        (request.as_bytes(), cocarry_world),
-        (parts.as_bytes(), cocarry_scenario),
-        (br#"{"robot":"porter"}"#, cocarry_robot),
+    let readers: [(&[u8], extern "C" fn() -> u32, bool); 5] = [
+        (scenario, cocarry_open, true),
+        (log.as_bytes(), cocarry_replay, true),
+        (request.as_bytes(), cocarry_world, false),
+        (parts.as_bytes(), cocarry_scenario, false),
+        (br#"{"robot":"porter"}"#, cocarry_robot, false),
     ];
     // a small generator, so that a failure repeats
     let mut seed = 7_u64;
@@ -347,7 +349,7 @@ fn hostile_texts_are_refused_in_a_sentence() {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
         (seed >> 33) as usize % below.max(1)
     };
-    for (good, read) in readers {
+    for (good, read, opens) in readers {
         for _ in 0..60 {
             let mut bytes = good.to_vec();
             for _ in 0..=random(3) {
@@ -373,7 +375,7 @@ fn hostile_texts_are_refused_in_a_sentence() {
             if done == 0 {
                 let sentence = text();
                 assert!(!sentence.trim().is_empty(), "{}", String::from_utf8_lossy(&bytes));
-            } else if read as usize == cocarry_open as usize || read as usize == cocarry_replay as usize {
+            } else if opens {
                 assert!(cocarry_run(done, 0.4) >= 0);
                 assert_eq!(cocarry_close(done), 1);
             }
