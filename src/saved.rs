@@ -29,6 +29,11 @@ impl Saved {
         minicbor_serde::to_vec(state).map_or_else(|_| Self::default(), Self)
     }
 
+    /// The bytes.
+    pub(crate) fn bytes(&self) -> &[u8] {
+        &self.0
+    }
+
     /// The state read back. The error calls it `part`.
     pub fn read<T: DeserializeOwned>(&self, part: &'static str) -> Result<T, RestoreError> {
         minicbor_serde::from_slice(&self.0).map_err(|_| RestoreError { part })
