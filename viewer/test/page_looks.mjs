@@ -145,7 +145,7 @@ async function missing() {
 }
 
 async function pictures() {
-  const sizes = { 390: 844, 768: 1024, 844: 1180, 1024: 768, 1440: 900 };
+  const sizes = { 390: 844, 768: 1024, 1024: 768, 1440: 900 };
   for (const [width, height] of Object.entries(sizes)) {
     for (const scheme of ["light", "dark"]) {
       for (const [name, hash] of [["follow", ""], ["map", "camera=map&"], ["carry", "carry=1&period=0.05&camera=shoulder&"]]) {
