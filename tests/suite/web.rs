@@ -118,8 +118,8 @@ fn a_world_that_is_dragged_has_options_and_regions() {
     let error = refused(json!({ "text": bad, "file": "mine.toml" }).to_string().as_bytes(), cocarry_world);
     assert!(error.starts_with("mine.toml") && error.contains("robot_wdth_m"), "{error}");
     // the world of a wider robot
-    let wide = asked(&json!({ "name": "environment-4", "robot_width_m": 1.0 }), cocarry_world);
-    assert_eq!((&wide["is_widened"], &wide["robot_width_m"]), (&json!(true), &json!(1.0)));
+    let wide = asked(&json!({ "name": "environment-4", "robot_width_m": 0.6 }), cocarry_world);
+    assert_eq!((&wide["is_widened"], &wide["robot_width_m"]), (&json!(true), &json!(0.6)));
     let error = refused(br#"{"name":"environment-4","robot_width_m":1.2}"#, cocarry_world);
     assert!(error.contains("xi1") && error.contains("impassable"), "{error}");
 }

@@ -4,10 +4,7 @@ use super::output::{OPTION_HEADINGS, option_json, table, table_text};
 use super::terminal::{ATTENTION, BAD, BOLD, GOOD, Text};
 use anstyle::Style;
 use cocarry::coordination;
-use cocarry::episode::{
-    ControlSummary, Episode, GRASP_WARNING_RMS_M, HumanSummary, OptionTick, Outcome, PreferenceChange,
-    Settings, Summary, Tick,
-};
+use cocarry::episode::{Episode, OptionTick, Outcome, PreferenceChange, Settings, Summary, Tick};
 use cocarry::geometry::Point;
 use cocarry::policy::Method;
 use cocarry::preference::Perception;
@@ -16,7 +13,6 @@ use cocarry::robot::Robot;
 use cocarry::scenario::{PreparedScenario, RobotSetup};
 use cocarry_output::drawing::Track;
 use serde_json::{Value, json};
-use std::fmt::Write;
 
 /// The report of a finished episode.
 pub(super) struct EpisodeReport<'a> {

@@ -13,7 +13,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 /// The largest log, bytes.
-const MAX_LOG: u64 = 64 << 20;
+const MAX_LOG: u64 = 16 << 20;
 
 pub(super) fn run_log(arguments: &ReplayArguments) -> Result<ExitCode, Failure> {
     let name = arguments.file.display().to_string();

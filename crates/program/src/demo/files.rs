@@ -23,6 +23,7 @@ pub(super) enum Pages {
     /// Those of a folder, by its real path.
     Folder(PathBuf),
     /// Those within the program.
+    #[allow(dead_code, reason = "the feature `page` brings them")]
     Built(&'static [(&'static str, &'static [u8])]),
 }
 
