@@ -14,6 +14,8 @@ mod crowded_worlds;
 mod detection;
 mod determinism;
 mod drives;
+mod extreme_numbers;
+mod file_bounds;
 mod fitting;
 mod follow_hand;
 mod footprints;

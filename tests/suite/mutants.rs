@@ -2,10 +2,15 @@
 //! time, and never ends the program. `COCARRY_MUTANTS=20000` makes more of them than the suite has.
 
 use crate::hostile_meshes::{DAE, with_mesh};
+use crate::recording::{encoded, example, rapier, unpacked};
 use crate::spoiled_robot::TOML;
+use cocarry::episode::Settings;
 use cocarry::geometry::Point;
 use cocarry::robot::Robot;
+use cocarry::scenario::{Plant, Scenario};
 use cocarry_maps::{Ends, from_map};
+use cocarry_recording::recording::{Contents, Playback, ReadError, Reader, columns, recover, replay};
+use cocarry_recording::rendering::{Width, filmstrip_svg, player};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::path::Path;
@@ -186,4 +191,54 @@ fn maps_that_are_damaged_are_read_or_refused() {
             read(&path(&format!("map.{extension}")))
         }
     });
+}
+
+/// What `inspect`, `recover`, `render` and `replay` do with a recording.
+fn use_recording(bytes: &[u8], is_short: bool, folder: &Path) -> bool {
+    let reader = || Reader::new(bytes, "m");
+    let refused = |error: ReadError| {
+        let said = error.to_string();
+        assert!(said.starts_with("m: ") && said.len() < 10_000, "{said}");
+    };
+    let contents = reader().and_then(|mut reader| Contents::read(&mut reader));
+    for topic in ["/options", "/tf", "/log"] {
+        let _ = reader().and_then(|mut reader| columns(&mut reader, topic)).map_err(refused);
+    }
+    if let Ok(mut reader) = reader() {
+        // more channels than a file can have are refused
+        let _ = recover(&mut reader, &folder.join("out.mcap"), true);
+    }
+    if let Ok(playback) = reader().and_then(|mut reader| Playback::read(&mut reader)).map_err(refused) {
+        let page = player(&playback, "m", None).expect("a page");
+        assert!(!page.contains("NaN") || !page.contains(":NaN"));
+        filmstrip_svg(&playback, 3, Width::Inches(7.0)).expect("a picture");
+    }
+    if is_short {
+        let _ = reader().and_then(|first| replay(first, reader()?)).map_err(refused);
+    }
+    contents.is_ok()
+}
+
+#[test]
+fn recordings_that_are_damaged_are_read_or_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let reference = |i: usize| {
+        let file = crate::support::repository(&format!("recordings/environment-{i}.mcap"));
+        std::fs::read(file).unwrap()
+    };
+    // what is run again is short: the reference recordings take a second each
+    let short = |plant: Plant, limit: u64| {
+        let scenario = example(plant);
+        let settings = Settings { tick_limit: Some(limit), ..scenario.settings };
+        encoded(Scenario { settings, ..scenario }, |_| {}).0
+    };
+    let shorts = [short(Plant::Point, 12), short(Plant::Kinematic { setup: crate::recording::carrier() }, 3), short(rapier(), 2)];
+    let mut seeds: Vec<(&str, Vec<u8>)> = Vec::new();
+    for (i, whole) in shorts.iter().enumerate() {
+        seeds.push(("short", whole.clone()));
+        seeds.push(("short", unpacked(whole)));
+        seeds.push(("reference", if i == 1 { unpacked(&reference(i + 1)) } else { reference(i + 1) }));
+    }
+    seeds.push(("reference", unpacked(&reference(4))));
+    try_all(100, &seeds, |kind, bytes| use_recording(bytes, kind == "short", folder.path()));
 }

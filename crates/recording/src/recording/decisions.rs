@@ -2,6 +2,7 @@
 
 use super::records::Attachment;
 use super::{ReadError, Reader};
+use cocarry::bounds;
 use cocarry::coordination::Mode;
 use cocarry::episode::Episode;
 use cocarry::geometry::Point;
@@ -73,6 +74,10 @@ impl Decisions {
         attachment: &Attachment,
     ) -> Result<Self, ReadError> {
         let lacks = |what: String| ReadError::Lacks { file: reader.name().to_owned(), what };
+        let limit = bounds::DECISIONS.bytes();
+        if attachment.data.len() as u64 > limit {
+            return Err(lacks(format!("its attachment {DECISIONS} is larger than {limit} bytes")));
+        }
         let log: Self = serde_json::from_slice(&attachment.data).map_err(|error| {
             lacks(format!("its attachment {DECISIONS} is not a log of decisions: {error}"))
         })?;

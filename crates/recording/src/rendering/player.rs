@@ -5,6 +5,7 @@ use crate::recording::{Channel, Frame, Playback, human_measures};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD as STANDARD;
 use cocarry::Error;
+use cocarry::bounds;
 use cocarry::error::Place;
 use cocarry::geometry::{Footprint, Point, Pose};
 use cocarry::located::{self, unreadable};
@@ -20,10 +21,10 @@ use std::path::{Path, PathBuf};
 
 /// The built page. `viewer/build.mjs` makes it.
 const PAGE: &str = include_str!("../../../../assets/player.html");
+/// The largest total length of the mesh files of a page, bytes.
+const MAX_MESHES: u64 = 256 << 20;
 /// The place of the episode in the page.
 const PLACE: &str = "__EPISODE__";
-/// The largest mesh file, bytes: the page carries it.
-const MAX_MESH: u64 = 64 << 20;
 /// The largest distance of a drawn arc from its chords, m.
 const SAGITTA: f64 = 0.01;
 
@@ -274,6 +275,8 @@ fn steps(playback: &Playback) -> Value {
 pub(super) struct Meshes {
     pub can_be_found: bool,
     known: BTreeMap<PathBuf, usize>,
+    /// The total length of the files, bytes.
+    bytes: u64,
     /// Format and base64 of each.
     pub data: Vec<Value>,
 }
@@ -289,8 +292,13 @@ impl Meshes {
             let sentence = "a mesh of an unknown format; expected .stl, .obj or .dae";
             return Err(Error::at(Place::file(file.display().to_string()), sentence));
         }
-        let bytes = located::read_bytes(MAX_MESH, file);
+        let bytes = located::read_bytes(&bounds::MESH, file);
         let bytes = bytes.map_err(|source| unreadable(file.display(), source))?;
+        self.bytes += bytes.len() as u64;
+        if self.bytes > MAX_MESHES {
+            let sentence = format_args!("it and the meshes to draw before it exceed {MAX_MESHES} bytes");
+            return Err(Error::at(Place::file(file.display().to_string()), sentence));
+        }
         self.data.push(json!({ "format": format, "base64": STANDARD.encode(&bytes) }));
         self.known.insert(file.to_owned(), self.data.len() - 1);
         Ok(self.data.len() - 1)
