@@ -50,7 +50,8 @@ use Length::{AtMost, For};
 /// A world.
 pub const WORLD: FileBounds = FileBounds::new("world (TOML)", AtMost(4 << 20), 1500, 60);
 /// A file of settings.
-pub const SETTINGS: FileBounds = FileBounds::new("robot file, study, baseline (TOML)", AtMost(1 << 20), 1000, 60);
+pub const SETTINGS: FileBounds =
+    FileBounds::new("robot file, study, baseline (TOML)", AtMost(1 << 20), 1000, 60);
 /// A URDF, also what a xacro expands to.
 pub const URDF: FileBounds = FileBounds::new("URDF", AtMost(16 << 20), 1500, 60);
 /// A xacro while it is expanded by the program of that name; its length is that of what is printed.
@@ -62,19 +63,22 @@ pub const GRID: FileBounds = FileBounds::new("map (YAML)", AtMost(64 << 10), 400
 /// The image of an occupancy grid.
 pub const IMAGE: FileBounds = FileBounds::new("image of a map (PGM, PNG)", AtMost(256 << 20), 4000, 120);
 /// A floor plan of areas.
-pub const PLAN: FileBounds = FileBounds::new("floor plan (GeoJSON)", AtMost(16 << 20), 2000, 60);
+pub const PLAN: FileBounds = FileBounds::new("floor plan (GeoJSON)", AtMost(16 << 20), 2000, 120);
 /// A drawn floor plan.
 pub const DRAWING: FileBounds = FileBounds::new("floor plan (SVG)", AtMost(16 << 20), 2000, 60);
 /// A table of participants or samples.
-pub const TABLE: FileBounds = FileBounds::new("answers, switches, samples (CSV)", AtMost(16 << 20), 2000, 120);
+pub const TABLE: FileBounds =
+    FileBounds::new("answers, switches, samples (CSV)", AtMost(16 << 20), 2000, 120);
 /// A recording.
 pub const RECORDING: FileBounds = FileBounds::new("recording (MCAP)", For(16 << 20), 600, 60);
 /// The text of the scenario in a recording.
-pub const SCENARIO: FileBounds = FileBounds::new("scenario in a recording (TOML)", AtMost(24 << 20), 1500, 60);
+pub const SCENARIO: FileBounds =
+    FileBounds::new("scenario in a recording (TOML)", AtMost(24 << 20), 3000, 60);
 /// The decisions of custom partners in a recording.
-pub const DECISIONS: FileBounds = FileBounds::new("decisions in a recording (JSON)", AtMost(16 << 20), 2000, 60);
+pub const DECISIONS: FileBounds =
+    FileBounds::new("decisions in a recording (JSON)", AtMost(16 << 20), 2000, 60);
 /// A snapshot.
-pub const SNAPSHOT: FileBounds = FileBounds::new("snapshot", AtMost(32 << 20), 2000, 60);
+pub const SNAPSHOT: FileBounds = FileBounds::new("snapshot", AtMost(32 << 20), 4000, 120);
 /// Results of studies as text.
 pub const ROWS: FileBounds = FileBounds::new("results (CSV)", For(64 << 20), 1000, 60);
 /// Results of studies in columns.

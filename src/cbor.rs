@@ -52,7 +52,8 @@ fn is_deep(bytes: &[u8]) -> bool {
         match (major, number) {
             // a text in pieces ends with a break too
             (2 | 3, None) | (4 | 5, None) => open.push(None),
-            (2 | 3, Some(length)) => match usize::try_from(length).ok().and_then(|length| rest.get(length..)) {
+            (2 | 3, Some(length)) => match usize::try_from(length).ok().and_then(|length| rest.get(length..))
+            {
                 Some(behind) => rest = behind,
                 None => return false,
             },
@@ -75,7 +76,8 @@ mod tests {
 
     #[test]
     fn closed_form_the_depth_of_items() {
-        for (begin, end) in [(&[0x81][..], &[0][..]), (&[0x9f], &[0xff]), (&[0xa1, 0], &[0]), (&[0xc1], &[0])] {
+        for (begin, end) in [(&[0x81][..], &[0][..]), (&[0x9f], &[0xff]), (&[0xa1, 0], &[0]), (&[0xc1], &[0])]
+        {
             for (depth, expected) in [(MAX_DEPTH, false), (MAX_DEPTH + 1, true)] {
                 let bytes = [begin.repeat(depth), end.repeat(if end == [0xff] { depth } else { 1 })].concat();
                 assert_eq!(is_deep(&bytes), expected, "{begin:x?} {depth}");

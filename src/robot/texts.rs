@@ -96,8 +96,7 @@ impl RobotTexts {
                 ),
             ));
         }
-        let (name, text) =
-            (robot_file.display().to_string(), located::read(&bounds::SETTINGS, &robot_file)?);
+        let (name, text) = (robot_file.display().to_string(), located::read(&bounds::SETTINGS, &robot_file)?);
         let source = Source { file: &name, text: &text };
         let entries: RobotFile = source.parse(KIND)?;
         let folder = robot_file.parent().unwrap_or(Path::new(""));

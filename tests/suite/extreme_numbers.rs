@@ -4,7 +4,7 @@
 use crate::recording::{carrier, example};
 use crate::spoiled_robot::{TOML, URDF, original};
 use crate::support::repository;
-use cocarry::episode::Settings;
+use cocarry::episode::{Settings, prospects};
 use cocarry::options::OptionSet;
 use cocarry::robot::Robot;
 use cocarry::scenario::{Plant, Scenario};
@@ -46,7 +46,8 @@ fn numbers(text: &str, behind: &str) -> Vec<Range<usize>> {
     let mut found = Vec::new();
     let (mut at, mut before) = (0, ' ');
     while let Some(c) = text[at..].chars().next() {
-        let is_begin = c.is_ascii_digit() || c == '-' && text[at + 1..].starts_with(|c: char| c.is_ascii_digit());
+        let is_begin =
+            c.is_ascii_digit() || c == '-' && text[at + 1..].starts_with(|c: char| c.is_ascii_digit());
         if is_begin && behind.contains(before) {
             let is_part = |c: char| c.is_ascii_digit() || ".-+eE".contains(c);
             let end = text[at..].find(|c| !is_part(c)).map_or(text.len(), |length| at + length);
@@ -104,7 +105,7 @@ fn property_every_number_of_a_world_is_checked() {
         each_number(&text, " [,=", 4, |text| {
             let world = World::parse("w.toml", text).map_err(|error| error.to_string())?;
             let set = OptionSet::new(&world, 10.0).map_err(|error| error.to_string())?;
-            assert!(set.options().iter().all(|option| option.length.is_finite()));
+            assert!(prospects(&set, &set.begin()).iter().all(|option| option.length.is_finite()));
             walks(Scenario { world: world.into(), ..example(Plant::Point) })
         });
     }
@@ -138,7 +139,8 @@ fn property_every_number_of_a_robot_is_checked() {
 
 #[test]
 fn property_every_number_of_a_study_is_checked() {
-    let study = "worlds = \"environment-1\"\nplants = [\"point\", \"rapier\"]\nseeds = 3\nfirst_seed = 2\nmax_steps = 5\neta = [5, 10.5]\nrisk_weight_m = 10\nplanning_step_s = 0.2\nsway_m = 0.02\ninitial_stubbornness = 0.1\n\n[[human]]\nname = \"a\"\nalpha = 0.7\ngamma = 0.8\n";
+    let study = "worlds = \"environment-1\"\nplants = [\"point\", \"rapier\"]\nseeds = { first = 2, last = 5 }\nmax_steps = 5\neta = [5, 10.5]\nrisk_weight_m = 10\nplanning_step_s = 0.2\nsway_m = 0.02\ninitial_stubbornness = 0.1\n\n[[human]]\nname = \"a\"\nalpha = 0.7\ngamma = 0.8\n";
+    Study::parse("s.toml", study, Path::new(""), None).expect("a study");
     each_number(study, " [,=", 20, |text| {
         let study = Study::parse("s.toml", text, Path::new(""), None).map_err(|error| error.to_string())?;
         assert!(study.episodes() > 0);

@@ -109,7 +109,8 @@ fn a_forged_recording_is_refused_or_gives_figures_that_the_player_can_show() {
 #[test]
 fn a_terminal_gets_no_characters_that_are_not_seen_or_change_the_direction_of_text() {
     let folder = tempfile::tempdir().unwrap();
-    for (hidden, shown) in [('\u{200b}', "\\u200b"), ('\u{feff}', "\\ufeff"), ('\u{e0041}', "\\udb40\\udc41")] {
+    for (hidden, shown) in [('\u{200b}', "\\u200b"), ('\u{feff}', "\\ufeff"), ('\u{e0041}', "\\udb40\\udc41")]
+    {
         std::fs::write(folder.path().join("w.toml"), world(&hidden.to_string())).unwrap();
         let output = within(folder.path(), &["world", "w.toml", "--json"]);
         let said = stdout(&output);

@@ -288,7 +288,9 @@ fn a_file_that_grows_while_it_is_read_has_an_end() {
         };
         grow("m.mcap", message(b"{}"));
         grow("a.csv", b"p,environment-1,1,100\n".to_vec());
-        for line in ["inspect m.mcap", "inspect m.mcap --csv /t", "recover m.mcap -o out.mcap", "fit eta a.csv"] {
+        for line in
+            ["inspect m.mcap", "inspect m.mcap --csv /t", "recover m.mcap -o out.mcap", "fit eta a.csv"]
+        {
             let output = within(1000, folder.path(), line);
             assert!(matches!(output.status.code(), Some(0 | 2)), "{line}: {}", stderr(&output));
         }

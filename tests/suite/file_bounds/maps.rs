@@ -67,7 +67,8 @@ pub(super) fn images(bench: Bench) {
 pub(super) fn plans(bench: Bench) {
     let plan = |before: &str, rings: &str| {
         let head = format!("{{{before}\"type\":\"FeatureCollection\",\"features\":[");
-        let feature = "{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Polygon\",\"coordinates\":[[";
+        let feature =
+            "{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Polygon\",\"coordinates\":[[";
         format!("{head}{feature}{rings}]]}}}}]}}")
     };
     let square = "[20,20],[21,20],[21,21],[20,21],[20,20]";
@@ -95,9 +96,13 @@ pub(super) fn plans(bench: Bench) {
 
 pub(super) fn drawings(bench: Bench) {
     let drawing = |inside: &str| {
-        format!("<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 60 40' width='6000' height='4000'><rect x='20' y='20' width='1' height='1'/>{inside}</svg>")
+        format!(
+            "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 60 40' width='6000' height='4000'><rect x='20' y='20' width='1' height='1'/>{inside}</svg>"
+        )
     };
-    for piece in ["<!-- -->", "<g/>", "<rect width='0' height='0'/>", "<g transform='scale(1)' a='' b='' c='' d=''/>"] {
+    for piece in
+        ["<!-- -->", "<g/>", "<rect width='0' height='0'/>", "<g transform='scale(1)' a='' b='' c='' d=''/>"]
+    {
         let count = ((bench.longest() - 300) / piece.len()).min(190_000);
         bench.write("d.svg", bench.filled(&drawing(&piece.repeat(count)), "\n"));
         bench.reads(&line("d.svg"));

@@ -8,7 +8,8 @@ fn obstacles(count: usize, corners: usize) -> String {
     let mut text = String::new();
     for i in 0..count {
         let (x, y) = (100.0 + 3.0 * (i % 100) as f64, 100.0 + 3.0 * (i / 100) as f64);
-        text += &format!("[[obstacle]]\nname = \"o{i}\"\nheight_m = 1.0\nshape = \"polygon\"\nvertices_m = [");
+        text +=
+            &format!("[[obstacle]]\nname = \"o{i}\"\nheight_m = 1.0\nshape = \"polygon\"\nvertices_m = [");
         for corner in 0..corners {
             let angle = std::f64::consts::TAU * corner as f64 / corners as f64;
             let radius = if corner % 2 == 0 { 1.0 } else { 0.6 };
@@ -24,8 +25,8 @@ pub(super) fn worlds(bench: Bench) {
     let world = environment_4();
     for text in [
         bench.filled(&world, "# x\n"),
-        bench.filled(&(obstacles(1, 20_000) + &world), "# x\n"),
-        bench.filled(&(obstacles(1000, 20) + &world), "\n"),
+        bench.filled(&(world.clone() + &obstacles(1, 20_000)), "# x\n"),
+        bench.filled(&(world.clone() + &obstacles(1000, 20)), "\n"),
     ] {
         bench.write("w.toml", &text);
         bench.reads("world w.toml");
@@ -33,7 +34,9 @@ pub(super) fn worlds(bench: Bench) {
         bench.refuses("world w.toml", &bench.too_long());
     }
     // much structure in few bytes
-    for piece in ["a=[[[],[],[],", "[[obstacle]]\n", "x.y.z=1\n", "[a.b.c.d.e]\n", "[x]\nx={x={x={", "a.", "[a."] {
+    for piece in
+        ["a=[[[],[],[],", "[[obstacle]]\n", "x.y.z=1\n", "[a.b.c.d.e]\n", "[x]\nx={x={x={", "a.", "[a."]
+    {
         bench.write("w.toml", bench.filled("", piece));
         bench.refuses("world w.toml", "w.toml");
     }
@@ -54,7 +57,11 @@ pub(super) fn settings(bench: Bench) {
     let named = |i: usize| format!("\"{}.{}/w.toml\"", "./".repeat(i % 32), "/".repeat(i / 32));
     for (world, count, words) in [
         (environment_4(), 1001, "more than 1000 worlds"),
-        (environment_4() + &"# x\n".repeat(1 << 20)[200_000..], 20, "more than 67108864 bytes of worlds and robots"),
+        (
+            environment_4() + &"# x\n".repeat(1 << 20)[200_000..],
+            20,
+            "more than 67108864 bytes of worlds and robots",
+        ),
     ] {
         bench.write("w.toml", world);
         let names = (0..count).map(named).collect::<Vec<_>>().join(", ");
@@ -113,7 +120,8 @@ pub(super) fn urdfs(bench: Bench) {
         bench.write(URDF, text + "\n");
         bench.refuses("robot check carrier.toml", &bench.too_long());
     }
-    for piece in ["<a/>", "<a>", "<a b='' c=''/>", "&amp;", "<!-- -->", "<link name='a'/>", "<a xmlns:a='b'>"] {
+    for piece in ["<a/>", "<a>", "<a b='' c=''/>", "&amp;", "<!-- -->", "<link name='a'/>", "<a xmlns:a='b'>"]
+    {
         bench.write(URDF, bench.filled("<robot name='r'>", piece));
         bench.refuses("robot check carrier.toml", "carrier.urdf");
     }

@@ -23,7 +23,6 @@ struct SwitchRow {
     participant: String,
     world: String,
     executed: Executed,
-    trial: String,
     step: Option<u64>,
     step_text: String,
 }
@@ -111,7 +110,7 @@ impl SwitchFile {
             let Some(number) = number else {
                 return Err(cell("step", &step, "a whole number of steps, or empty for never"));
             };
-            let episode = (participant.clone(), world.clone(), executed.clone(), trial.clone());
+            let episode = (participant.clone(), world.clone(), executed.clone(), trial);
             if let Some(first) = known.insert(episode, line) {
                 let what = format!(
                     "participant `{participant}` in {world}, {} (a column `trial` distinguishes repetitions),",
@@ -120,7 +119,7 @@ impl SwitchFile {
                 return Err(duplicate(Place::line(file, line, ""), what, first));
             }
             let (step, step_text) = (number, step);
-            rows.push(SwitchRow { line, participant, world, executed, trial, step, step_text });
+            rows.push(SwitchRow { line, participant, world, executed, step, step_text });
         }
         check_counts(&file, rows.iter().map(|row| (row.participant.as_str(), row.world.as_str())))?;
         Ok(Self { file, rows })
@@ -137,7 +136,8 @@ impl SwitchFile {
     /// # Errors
     /// An unknown option, or a step beyond the episode's end.
     pub fn matched(&self, worlds: &[(String, PreparedScenario)]) -> Result<Vec<Switch>, Error> {
-        let worlds: BTreeMap<&str, _> = worlds.iter().map(|(name, prepared)| (name.as_str(), prepared)).collect();
+        let worlds: BTreeMap<&str, _> =
+            worlds.iter().map(|(name, prepared)| (name.as_str(), prepared)).collect();
         let mut known: BTreeMap<(&str, &Executed), Guidance> = BTreeMap::new();
         let mut switches = Vec::new();
         for row in &self.rows {

@@ -30,7 +30,12 @@ const BEGUN: &str = " -->";
 const END: &str = "<!-- / -->";
 
 fn all() -> impl Iterator<Item = &'static Figure> {
-    results::FIGURES.iter().chain(bodies::FIGURES).chain(learning::FIGURES).chain(coverage::FIGURES).chain(bounds::FIGURES)
+    results::FIGURES
+        .iter()
+        .chain(bodies::FIGURES)
+        .chain(learning::FIGURES)
+        .chain(coverage::FIGURES)
+        .chain(bounds::FIGURES)
 }
 
 /// A page with its figures, and their names.

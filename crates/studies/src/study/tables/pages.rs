@@ -248,8 +248,8 @@ mod tests {
         assert_eq!(thrift.rest, [0xff]);
         // unknown fields of every type before it: a flag, a list of flags, a map, a text, a structure
         let unknown: &[u8] = &[
-            0x01, 40, 0x09, 42, 0x21, 1, 2, 0x0b, 44, 1, 0x85, 1, b'x', 9, 0x08, 46, 2, b'a', b'b', 0x0c, 48, 0x15,
-            3, 0, 0x05, 2,
+            0x01, 40, 0x09, 42, 0x21, 1, 2, 0x0b, 44, 1, 0x85, 1, b'x', 9, 0x08, 46, 2, b'a', b'b', 0x0c, 48,
+            0x15, 3, 0, 0x05, 2,
         ];
         let long = [unknown, &HEADER[1..]].concat();
         let mut thrift = Thrift { rest: &long };
