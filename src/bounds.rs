@@ -80,9 +80,9 @@ pub const DECISIONS: FileBounds =
 /// A snapshot.
 pub const SNAPSHOT: FileBounds = FileBounds::new("snapshot", AtMost(32 << 20), 4000, 120);
 /// Results of studies as text.
-pub const ROWS: FileBounds = FileBounds::new("results (CSV)", For(64 << 20), 1000, 60);
+pub const ROWS: FileBounds = FileBounds::new("results (CSV)", For(16 << 20), 2000, 120);
 /// Results of studies in columns.
-pub const COLUMNS: FileBounds = FileBounds::new("results (Parquet)", For(64 << 20), 2000, 60);
+pub const COLUMNS: FileBounds = FileBounds::new("results (Parquet)", For(16 << 20), 2000, 120);
 
 /// All kinds.
 pub const ALL: [FileBounds; 16] = [
