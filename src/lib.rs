@@ -92,6 +92,8 @@
 //! ```
 
 pub mod arithmetic;
+pub mod bounds;
+mod cbor;
 pub mod control;
 pub mod controller;
 pub mod coordination;

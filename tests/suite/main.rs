@@ -15,6 +15,8 @@ mod demo;
 mod detection;
 mod determinism;
 mod drives;
+mod extreme_numbers;
+mod file_bounds;
 mod fitting;
 mod follow_hand;
 mod footprints;

@@ -5,6 +5,7 @@ use crate::palette::{self, hex};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD as STANDARD;
 use cocarry::Error;
+use cocarry::bounds;
 use cocarry::error::Place;
 use cocarry::geometry::{Footprint, Point, Pose};
 use cocarry::located::{self, unreadable};
@@ -19,8 +20,8 @@ use std::path::{Path, PathBuf};
 /// The largest distance of a drawn arc from its chords, m.
 const SAGITTA: f64 = 0.01;
 
-/// The largest mesh file, bytes: the page carries it.
-const MAX_MESH: u64 = 64 << 20;
+/// The largest total length of the mesh files of a page, bytes.
+const MAX_MESHES: u64 = 256 << 20;
 /// The colours of bodies.
 pub fn colours() -> Value {
     json!({
@@ -107,6 +108,8 @@ pub struct Meshes<'a> {
     /// The reader of their files; `None` where they cannot be found.
     read: Option<&'a ReadMesh>,
     known: BTreeMap<PathBuf, usize>,
+    /// The total length of the files, bytes.
+    bytes: u64,
     /// Format and base64 of each.
     data: Vec<Value>,
 }
@@ -119,13 +122,13 @@ pub type ReadMesh = dyn Fn(&Path) -> Result<Vec<u8>, Error>;
 /// # Errors
 /// The file cannot be read, or is too large.
 pub fn read_mesh(file: &Path) -> Result<Vec<u8>, Error> {
-    located::read_bytes(MAX_MESH, file).map_err(|source| unreadable(file.display(), source))
+    located::read_bytes(&bounds::MESH, file).map_err(|source| unreadable(file.display(), source))
 }
 
 impl<'a> Meshes<'a> {
     /// No meshes yet, whose files `read` reads; `None` where they cannot be found.
     pub fn new(read: Option<&'a ReadMesh>) -> Self {
-        Self { read, known: BTreeMap::new(), data: Vec::new() }
+        Self { read, known: BTreeMap::new(), bytes: 0, data: Vec::new() }
     }
 
     /// Format and base64 of each so far.
@@ -144,6 +147,11 @@ impl<'a> Meshes<'a> {
             return Err(Error::at(Place::file(file.display().to_string()), sentence));
         }
         let bytes = self.read.map_or_else(|| read_mesh(file), |read| read(file))?;
+        self.bytes += bytes.len() as u64;
+        if self.bytes > MAX_MESHES {
+            let sentence = format_args!("it and the meshes to draw before it exceed {MAX_MESHES} bytes");
+            return Err(Error::at(Place::file(file.display().to_string()), sentence));
+        }
         self.data.push(json!({ "format": format, "base64": STANDARD.encode(&bytes) }));
         self.known.insert(file.to_owned(), self.data.len() - 1);
         Ok(self.data.len() - 1)

@@ -6,14 +6,11 @@ use super::replay::ReplayArguments;
 use anyhow::Context;
 use cocarry::arithmetic;
 use cocarry::episode::{Episode, Outcome};
-use cocarry::located;
 use cocarry::scenario::{EpisodeLog, PreparedScenario};
+use cocarry::{bounds, located};
 use cocarry_recording::recording::{Ending, FileRecorder};
 use std::path::Path;
 use std::process::ExitCode;
-
-/// The largest log, bytes.
-const MAX_LOG: u64 = 16 << 20;
 
 pub(super) fn run_log(arguments: &ReplayArguments) -> Result<ExitCode, Failure> {
     let name = arguments.file.display().to_string();
@@ -87,6 +84,6 @@ fn seconds(prepared: &PreparedScenario, episode: &Episode) -> f64 {
 
 fn load(file: &Path) -> anyhow::Result<EpisodeLog> {
     let name = || file.display().to_string();
-    let bytes = located::read_bytes(MAX_LOG, file).with_context(name)?;
+    let bytes = located::read_bytes(&bounds::DECISIONS, file).with_context(name)?;
     serde_json::from_slice(&bytes).context("not a log of an episode").with_context(name)
 }

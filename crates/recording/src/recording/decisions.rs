@@ -2,6 +2,7 @@
 
 use super::records::Attachment;
 use super::{ReadError, Reader};
+use cocarry::bounds;
 use cocarry::scenario::{Decisions, MAX_MOTION};
 
 /// The name of the attachment with the decisions.
@@ -19,6 +20,10 @@ pub(super) fn read<R: std::io::Read>(
     attachment: &Attachment,
 ) -> Result<Decisions, ReadError> {
     let lacks = |what: String| ReadError::Lacks { file: reader.name().to_owned(), what };
+    let limit = bounds::DECISIONS.bytes();
+    if attachment.data.len() as u64 > limit {
+        return Err(lacks(format!("its attachment {DECISIONS} is larger than {limit} bytes")));
+    }
     let log: Decisions = serde_json::from_slice(&attachment.data)
         .map_err(|error| lacks(format!("its attachment {DECISIONS} is not a log of decisions: {error}")))?;
     match log.is_bounded() {
