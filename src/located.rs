@@ -1,5 +1,6 @@
 //! Input files, bounded in size, and the places in text files, for errors.
 
+use crate::bounds::FileBounds;
 use crate::error::{Error, Place};
 use crate::{known_names, suggestion};
 use serde::de::DeserializeOwned;
@@ -10,13 +11,6 @@ use std::ops::Range;
 use std::path::Path;
 use toml::Spanned;
 use toml::de::DeTable;
-
-/// The size of the largest text file that is read, bytes: answers, samples, URDFs.
-const MAX_BYTES: u64 = 16 << 20;
-/// The same for a file of settings: studies, baselines, robots.
-pub const MAX_SETTINGS: u64 = 1 << 20;
-/// The same for a world.
-pub const MAX_WORLD: u64 = 4 << 20;
 
 /// Opens an input file. Only regular files are inputs: a FIFO or a terminal would wait for its writer, and a
 /// device may never end.
@@ -33,22 +27,14 @@ pub fn open(path: &Path) -> Result<File, io::Error> {
     }
 }
 
-/// Reads a text file of at most 16 MiB.
+/// Reads a text file of a kind.
 ///
 /// # Errors
-/// The system's, also if it is larger, not a regular file, or not UTF-8.
-pub fn read(path: &Path) -> Result<String, Error> {
-    read_at_most(MAX_BYTES, path)
-}
-
-/// As [`read`], with another limit (bytes).
-///
-/// # Errors
-/// As [`read`].
-pub fn read_at_most(limit: u64, path: &Path) -> Result<String, Error> {
+/// The system's, also if the file is longer than its kind may be, not a regular file, or not UTF-8.
+pub fn read(kind: &FileBounds, path: &Path) -> Result<String, Error> {
     let text =
         |bytes| String::from_utf8(bytes).map_err(|error| io::Error::new(ErrorKind::InvalidData, error));
-    let read = read_bytes(limit, path).and_then(text);
+    let read = read_bytes(kind, path).and_then(text);
     read.map_err(|error| unreadable(path.display(), hinted(path, error)))
 }
 
@@ -64,11 +50,12 @@ fn hinted(path: &Path, error: io::Error) -> io::Error {
     if hint.is_empty() { error } else { io::Error::new(error.kind(), format!("{error}{hint}")) }
 }
 
-/// Reads a file of at most `limit` bytes.
+/// As [`read`], of a file that need not be text.
 ///
 /// # Errors
-/// The system's, also if the file is larger or not a regular file.
-pub fn read_bytes(limit: u64, path: &Path) -> Result<Vec<u8>, io::Error> {
+/// The system's, also if the file is longer than its kind may be, or not a regular file.
+pub fn read_bytes(kind: &FileBounds, path: &Path) -> Result<Vec<u8>, io::Error> {
+    let limit = kind.bytes();
     let mut bytes = Vec::new();
     open(path)?.take(limit + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > limit {
@@ -134,6 +121,7 @@ impl<'a> Source<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bounds::URDF;
 
     #[test]
     fn closed_form_lines_are_counted_from_1() {
@@ -146,8 +134,8 @@ mod tests {
     fn a_file_that_is_too_large_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("large.toml");
-        File::create(&path).unwrap().set_len(MAX_BYTES + 1).unwrap();
-        let error = read(&path).unwrap_err();
+        File::create(&path).unwrap().set_len(URDF.bytes() + 1).unwrap();
+        let error = read(&URDF, &path).unwrap_err();
         let cause = std::error::Error::source(&error).expect("a cause");
         assert_eq!(cause.to_string(), "larger than 16777216 bytes");
     }

@@ -1,5 +1,6 @@
 //! The saved state of one part of an episode in a snapshot: bytes that only the part itself can read.
 
+use crate::cbor;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
@@ -26,12 +27,17 @@ impl Saved {
     /// The bytes of a state. Empty for a type that cannot be written as CBOR; [`Saved::read`] then refuses
     /// it.
     pub fn of<T: Serialize>(state: &T) -> Self {
-        minicbor_serde::to_vec(state).map_or_else(|_| Self::default(), Self)
+        cbor::to_vec(state).map_or_else(|_| Self::default(), Self)
+    }
+
+    /// The bytes.
+    pub(crate) fn bytes(&self) -> &[u8] {
+        &self.0
     }
 
     /// The state read back. The error calls it `part`.
     pub fn read<T: DeserializeOwned>(&self, part: &'static str) -> Result<T, RestoreError> {
-        minicbor_serde::from_slice(&self.0).map_err(|_| RestoreError { part })
+        cbor::from_slice(&self.0).map_err(|_| RestoreError { part })
     }
 
     /// A check that nothing was saved, for parts without memory.

@@ -135,7 +135,7 @@ impl Recording {
         let name = self.file.display().to_string();
         let title = title.unwrap_or(&name);
         py.detach(|| {
-            let file = File::open(&self.file)
+            let file = cocarry::located::open(&self.file)
                 .map_err(|error| RecordingError::new_err(format!("{name}: {error}")))?;
             page(BufReader::new(file), &name, title)
         })

@@ -1,6 +1,7 @@
 //! The convex hull of a mesh file, or of its convex parts. No other file uses `mesh_loader`.
 
 use super::mesh_bounds::{check_collada, check_obj, check_stl, remark_on_stl};
+use crate::bounds;
 use crate::guarded;
 use crate::located;
 use crate::math;
@@ -12,8 +13,6 @@ use serde::{Deserialize, Serialize};
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
-/// The largest mesh file that is read, bytes.
-const MAX_MESH: u64 = 64 << 20;
 /// The number of directions in which a hull has its vertices. On a ball, the hull of as many vertices is
 /// within 1 % of the radius.
 const DIRECTIONS: usize = 256;
@@ -124,7 +123,7 @@ pub(super) fn vertices(file: &Path) -> Result<Vec<[f64; 3]>, String> {
 /// What is made of a mesh file. The error says why nothing is, which may be that the parser, or the geometry
 /// made of the mesh, panics.
 fn made<T: Send>(file: &Path, make: impl FnOnce(Hull) -> T + Send) -> Result<T, String> {
-    let bytes = located::read_bytes(MAX_MESH, file).map_err(|e| e.to_string())?;
+    let bytes = located::read_bytes(&bounds::MESH, file).map_err(|e| e.to_string())?;
     let made = guarded::on_thread(|| of_bytes(&bytes, file).map(make));
     made.unwrap_or_else(|panic| Err(format!("it cannot be read: {panic}")))
 }

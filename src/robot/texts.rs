@@ -4,8 +4,9 @@ use super::file::RobotFile;
 use super::mesh::MeshFolders;
 use super::urdf::{Hulls, Urdf, is_xacro};
 use super::warning::RobotWarning;
+use crate::bounds;
 use crate::error::{Error, Place};
-use crate::located::{self, MAX_SETTINGS, Source};
+use crate::located::{self, Source};
 use crate::suggestion;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -95,8 +96,7 @@ impl RobotTexts {
                 ),
             ));
         }
-        let (name, text) =
-            (robot_file.display().to_string(), located::read_at_most(MAX_SETTINGS, &robot_file)?);
+        let (name, text) = (robot_file.display().to_string(), located::read(&bounds::SETTINGS, &robot_file)?);
         let source = Source { file: &name, text: &text };
         let entries: RobotFile = source.parse(KIND)?;
         let folder = robot_file.parent().unwrap_or(Path::new(""));
@@ -167,7 +167,7 @@ fn read_urdf(path: &Path, expand: Option<&Expand>) -> Result<String, Error> {
     if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("xacro")) {
         return expanded();
     }
-    let text = located::read(path)?;
+    let text = located::read(&bounds::URDF, path)?;
     let file = path.display().to_string();
     let is_bounded = Urdf { file: &file, folders: None, hulls: None }.check_extent(&text).is_ok();
     if is_bounded && is_xacro(&text) { expanded() } else { Ok(text) }

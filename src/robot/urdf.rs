@@ -30,6 +30,8 @@ const MAX_PIECES: usize = 500_000;
 const MAX_NAMESPACES: usize = 4096;
 /// The largest total size of the collision meshes of a robot, bytes.
 const MAX_MESH_BYTES: u64 = 1 << 30;
+/// The largest number of collision meshes of a robot: one takes up to a second.
+const MAX_MESHES: usize = 200;
 /// The namespace of namespaces.
 const XMLNS: &str = "http://www.w3.org/2000/xmlns/";
 
@@ -147,6 +149,11 @@ impl Urdf<'_> {
                 Some(why) => why.clone(),
                 None => {
                     let Some(found) = self.file_of(geometry) else { continue };
+                    let is_one_more = known.len() < MAX_MESHES;
+                    let found = match is_one_more {
+                        true => found,
+                        false => Err(format!("no more than {MAX_MESHES} meshes")),
+                    };
                     let read = found.map_err(|why| format!("searched for {why}")).and_then(|file| {
                         let of_file = |why| format!("{}: {why}", file.display());
                         let length = std::fs::metadata(&file).map_or(0, |data| data.len());

@@ -9,6 +9,8 @@
 
 use super::{PreparedScenario, Scenario};
 use crate::arithmetic;
+use crate::bounds;
+use crate::cbor;
 use crate::episode::{Episode, State};
 use crate::error::{Error, Place};
 use crate::located;
@@ -20,7 +22,7 @@ const MAGIC: &[u8] = b"cocarry snapshot";
 /// The version of the format. Raise it whenever the contents change.
 const FORMAT: u32 = 9;
 /// The largest file that is read, bytes. A snapshot has up to about 130 kB.
-const MAX_BYTES: u64 = 1 << 28;
+const MAX_BYTES: u64 = bounds::SNAPSHOT.bytes();
 
 /// The state of an episode, with its scenario.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -63,7 +65,7 @@ impl Snapshot {
     /// # Errors
     /// The snapshot cannot be encoded: never for an episode that runs.
     pub fn bytes(&self) -> Result<Vec<u8>, Error> {
-        let mut contents = minicbor_serde::to_vec(self)
+        let mut contents = cbor::to_vec(self)
             .map_err(|error| Error::new("the snapshot cannot be encoded").because(error))?;
         let version = env!("CARGO_PKG_VERSION").as_bytes();
         let length = contents.len() as u64;
@@ -121,7 +123,7 @@ impl Snapshot {
         if crc32fast::hash(&bytes[..fields.at]) != u32::from_le_bytes(fields.array()?) {
             return Err(refused("a damaged snapshot: its checksum does not match its contents".to_owned()));
         }
-        match minicbor_serde::from_slice::<Self>(contents) {
+        match cbor::from_slice::<Self>(contents) {
             Ok(snapshot) => Ok(Self { written_by, ..snapshot }),
             Err(fault) => {
                 let error = refused(format!("not a valid snapshot, written by cocarry {written_by}"));

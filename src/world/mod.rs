@@ -24,9 +24,10 @@ pub use object::{CarriedObject, ObjectShape};
 pub use obstacle::{Obstacle, Part};
 pub use opening::{FREE_PASSAGE, Opening};
 
+use crate::bounds;
 use crate::error::{Error, ErrorKind, Place};
 use crate::geometry::{Bounds, Point, Solid, Vector, cross, squared_distance_to_segment};
-use crate::located::{self, MAX_WORLD, Source};
+use crate::located::{self, Source};
 use crate::suggestion;
 use file::{OptionEntry, WorldFile};
 use obstacle::Check;
@@ -116,7 +117,7 @@ impl World {
     /// # Errors
     /// The file, the line, the item and the numbers; of [`ErrorKind::World`] where the file can be read.
     pub fn load(path: &Path) -> Result<Self, Error> {
-        Self::parse(&path.display().to_string(), &located::read_at_most(MAX_WORLD, path)?)
+        Self::parse(&path.display().to_string(), &located::read(&bounds::WORLD, path)?)
     }
 
     /// The world in the file `path`, or, if there is no such file, the built-in world `name`.

@@ -11,7 +11,7 @@ use rand_chacha::rand_core::SeedableRng;
 use std::process::Command;
 
 /// A snapshot's bytes before its contents, and its contents. Saved parts are CBOR within CBOR.
-fn opened(bytes: &[u8]) -> (&[u8], Value) {
+pub fn opened(bytes: &[u8]) -> (&[u8], Value) {
     let begin = 16 + 4 + 1 + usize::from(bytes[20]) + 8;
     (&bytes[..begin - 8], unfolded(from_slice(&bytes[begin..bytes.len() - 4]).unwrap()))
 }
@@ -41,9 +41,12 @@ fn folded(value: Value) -> Value {
 }
 
 /// A snapshot with these contents and the right length and checksum.
-fn closed(head: &[u8], contents: Value) -> Vec<u8> {
-    let inner = to_vec(Vec::new(), &folded(contents)).unwrap();
-    let mut bytes = [head, &(inner.len() as u64).to_le_bytes(), &inner].concat();
+pub fn closed(head: &[u8], contents: Value) -> Vec<u8> {
+    sealed(head, &to_vec(Vec::new(), &folded(contents)).unwrap())
+}
+
+fn sealed(head: &[u8], inner: &[u8]) -> Vec<u8> {
+    let mut bytes = [head, &(inner.len() as u64).to_le_bytes(), inner].concat();
     bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
     bytes
 }
@@ -215,6 +218,44 @@ fn contents_that_are_not_those_of_a_snapshot_are_refused_in_words() {
             )),
             "{said}"
         );
+    }
+}
+
+/// The hull of a mesh may be a list of points or a list of such lists; which one is asked of the items.
+#[test]
+fn a_list_that_is_nested_too_deep_is_refused() {
+    const PLACE: &str = "the place of a list";
+    fn add_hulls(value: &mut Value) {
+        match value {
+            Value::Map(items) => {
+                items.iter_mut().for_each(|(_, value)| add_hulls(value));
+                if items.iter().any(|(key, _)| *key == Value::Text("urdf_file".to_owned())) {
+                    items.retain(|(key, _)| *key != Value::Text("hulls".to_owned()));
+                    let mesh = (Value::Text("m".to_owned()), Value::Text(PLACE.to_owned()));
+                    items.push((Value::Text("hulls".to_owned()), Value::Map(vec![mesh])));
+                }
+            }
+            Value::Array(items) => items.iter_mut().for_each(add_hulls),
+            _ => {}
+        }
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (good, bad) = (path("good"), path("bad"));
+    assert_eq!(cocarry(&["run", "--max-steps", "6", "--save-at", "5", &good]).status.code(), Some(3));
+    let good = std::fs::read(good).unwrap();
+    let (head, mut contents) = opened(&good);
+    add_hulls(&mut contents);
+    let inner = to_vec(Vec::new(), &folded(contents)).unwrap();
+    let at = inner.windows(PLACE.len()).position(|window| window == PLACE.as_bytes()).expect("a robot");
+    for (depth, words) in [(30, "not a valid snapshot"), (1_000_000, "nested deeper than 64")] {
+        let (before, after) = (&inner[..at - 1], &inner[at + PLACE.len()..]);
+        let deep = [before, &vec![0x81; depth], &[0x80], after].concat();
+        std::fs::write(&bad, sealed(head, &deep)).unwrap();
+        let output = cocarry(&["run", "--resume", &bad]);
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{depth}: {said}");
+        assert!(said.contains(words), "{depth}: {said}");
     }
 }
 

@@ -105,10 +105,19 @@ fn a_forged_recording_is_refused_or_gives_figures_that_the_player_can_show() {
     assert!(shown > 20, "{shown} shown, {refused} refused");
 }
 
-/// They would show the rest of a line in another order.
+/// They would show the rest of a line in another order, or two names as one.
 #[test]
-fn a_terminal_gets_no_characters_that_change_the_direction_of_text() {
+fn a_terminal_gets_no_characters_that_are_not_seen_or_change_the_direction_of_text() {
     let folder = tempfile::tempdir().unwrap();
+    for (hidden, shown) in [('\u{200b}', "\\u200b"), ('\u{feff}', "\\ufeff"), ('\u{e0041}', "\\udb40\\udc41")]
+    {
+        std::fs::write(folder.path().join("w.toml"), world(&hidden.to_string())).unwrap();
+        let output = within(folder.path(), &["world", "w.toml", "--json"]);
+        let said = stdout(&output);
+        assert!(said.contains(shown) && !said.contains(hidden), "{said}");
+        let told: Value = serde_json::from_str(&said).expect("JSON");
+        assert!(told.to_string().contains(hidden), "{told}");
+    }
     std::fs::write(folder.path().join("w.toml"), world("\u{202e}abc\u{2066}")).unwrap();
     for arguments in [&["world", "w.toml"][..], &["world", "w.toml", "--json"]] {
         let output = within(folder.path(), arguments);

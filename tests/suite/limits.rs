@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 /// Runs the program with an address space of so many MiB.
-fn within(mebibytes: u64, folder: &Path, line: &str) -> Output {
+pub fn within(mebibytes: u64, folder: &Path, line: &str) -> Output {
     let program = env!("CARGO_BIN_EXE_cocarry");
     let command = format!("ulimit -v {}; exec '{program}' {line}", mebibytes << 10);
     Command::new("sh").args(["-c", &command]).current_dir(folder).output().unwrap()
@@ -29,22 +29,22 @@ fn text(text: &str) -> Vec<u8> {
 }
 
 /// A record with a message on channel 1.
-fn message(data: &[u8]) -> Vec<u8> {
+pub fn message(data: &[u8]) -> Vec<u8> {
     record(5, &[&[1, 0][..], &[0; 20], data].concat())
 }
 
 /// A record that defines channel 1, of JSON without a schema.
-fn channel(topic: &str) -> Vec<u8> {
+pub fn channel(topic: &str) -> Vec<u8> {
     record(4, &[&[1, 0, 0, 0][..], &text(topic), &text("json"), &[0; 4]].concat())
 }
 
-fn attachment(name: &str, data: &[u8]) -> Vec<u8> {
+pub fn attachment(name: &str, data: &[u8]) -> Vec<u8> {
     let length = (data.len() as u64).to_le_bytes();
     record(9, &[&[0; 16][..], &text(name), &text("text/plain"), &length, data, &[0; 4]].concat())
 }
 
 /// A file with these chunks, packed.
-fn packed(chunks: &[Vec<u8>]) -> Vec<u8> {
+pub fn packed(chunks: &[Vec<u8>]) -> Vec<u8> {
     let chunks = chunks.iter().flat_map(|records| {
         let packed = zstd::bulk::compress(records, 3).unwrap();
         chunk(records.len() as u64, 0, "zstd", &packed)[MAGIC.len()..].to_vec()
@@ -241,4 +241,59 @@ fn many_participants_are_inferred_in_little_memory() {
     assert!(output.status.success(), "{}", stderr(&output));
     let people = std::fs::read_to_string(folder.path().join("people.csv")).unwrap();
     assert_eq!(people.lines().count(), 601);
+}
+
+/// A link that leads to itself is no file.
+#[test]
+#[cfg(unix)]
+fn circles_of_links_are_no_files() {
+    let folder = tempfile::tempdir().unwrap();
+    for (from, to) in [("a.toml", "b.toml"), ("b.toml", "a.toml"), (".", "deep")] {
+        std::os::unix::fs::symlink(from, folder.path().join(to)).unwrap();
+    }
+    for line in ["run a.toml", "sweep a.toml", "run --robot a.toml", "inspect a.toml", "fit eta a.toml"] {
+        let said = refused(1000, folder.path(), line);
+        assert!(said.contains("a.toml"), "{line}: {said}");
+    }
+    // a mesh that is searched for in a package that contains itself
+    let said = refused(1000, folder.path(), &format!("run {}w.toml", "deep/".repeat(60)));
+    assert!(said.contains("w.toml"), "{said}");
+}
+
+/// A file that another process goes on writing is read up to an end.
+#[test]
+fn a_file_that_grows_while_it_is_read_has_an_end() {
+    use std::io::Write;
+    use std::sync::atomic::{AtomicBool, Ordering};
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("m.mcap");
+    let begin = [MAGIC, &channel("/t")].concat();
+    std::fs::write(&path, &begin).unwrap();
+    std::fs::write(folder.path().join("a.csv"), "participant,world,option,percent\n").unwrap();
+    let is_over = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        let grow = |name: &str, piece: Vec<u8>| {
+            let mut file = std::fs::OpenOptions::new().append(true).open(folder.path().join(name)).unwrap();
+            let is_over = &is_over;
+            scope.spawn(move || {
+                // 20 MB in all at most
+                for _ in 0..2000 {
+                    if is_over.load(Ordering::Relaxed) {
+                        break;
+                    }
+                    file.write_all(&piece.repeat(10_000 / piece.len())).unwrap();
+                    std::thread::sleep(std::time::Duration::from_millis(1));
+                }
+            });
+        };
+        grow("m.mcap", message(b"{}"));
+        grow("a.csv", b"p,environment-1,1,100\n".to_vec());
+        for line in
+            ["inspect m.mcap", "inspect m.mcap --csv /t", "recover m.mcap -o out.mcap", "fit eta a.csv"]
+        {
+            let output = within(1000, folder.path(), line);
+            assert!(matches!(output.status.code(), Some(0 | 2)), "{line}: {}", stderr(&output));
+        }
+        is_over.store(true, Ordering::Relaxed);
+    });
 }

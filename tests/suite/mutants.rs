@@ -1,14 +1,27 @@
 //! Files of others, damaged in every way that a few lines can think of: each is read or refused, in little
-//! time, and never ends the program. `COCARRY_MUTANTS=20000` makes more of them than the suite has.
+//! time, and never ends the program. `COCARRY_MUTANTS=20000` makes more of them than the suite has,
+//! `COCARRY_SOAK_SECONDS=600` goes on for so long; with `COCARRY_READER=stl` of one kind only.
 
 use crate::hostile_meshes::{DAE, with_mesh};
+use crate::recording::{encoded, example, rapier, unpacked};
 use crate::spoiled_robot::TOML;
+use cocarry::episode::Settings;
 use cocarry::geometry::Point;
+use cocarry::options::OptionSet;
 use cocarry::robot::Robot;
+use cocarry::scenario::{Plant, Scenario, Snapshot};
+use cocarry::world::World;
 use cocarry_maps::{Ends, from_map};
+use cocarry_recording::recording::{Contents, Playback, ReadError, Reader, columns, recover, replay};
+use cocarry_recording::rendering::{Width, filmstrip_svg, player};
+use cocarry_studies::fit::{AnswerFile, SwitchFile};
+use cocarry_studies::regression::Baseline;
+use cocarry_studies::study::{Study, Summary, Sweep, SweepOutputs};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::path::Path;
+use std::sync::LazyLock;
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 /// The longest time for a file of a few kilobytes.
@@ -70,19 +83,52 @@ fn mutant(seed: &[u8], rng: &mut ChaCha8Rng) -> Vec<u8> {
     bytes
 }
 
+/// The time so far: that of the process, where this is all that it does and the system says, since others may
+/// have the processor meanwhile.
+fn clock() -> Duration {
+    static BEGUN: LazyLock<Instant> = LazyLock::new(Instant::now);
+    let is_alone =
+        ["COCARRY_MUTANTS", "COCARRY_SOAK_SECONDS"].iter().any(|name| std::env::var_os(name).is_some());
+    let of_process = || {
+        let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+        let fields: Vec<&str> = stat.rsplit_once(')')?.1.split_whitespace().collect();
+        let [user, system] = [fields.get(11)?, fields.get(12)?].map(|ticks| ticks.parse::<u64>());
+        // of 10 ms
+        Some(Duration::from_millis(10 * (user.ok()? + system.ok()?)))
+    };
+    is_alone.then(of_process).flatten().unwrap_or_else(|| BEGUN.elapsed())
+}
+
 /// Reads mutants of these files, and counts which are read and which are refused.
 fn try_all(in_suite: usize, seeds: &[(&str, Vec<u8>)], mut reads: impl FnMut(&str, &[u8]) -> bool) {
+    let wanted = std::env::var("COCARRY_READER").ok();
+    let is_wanted = |seed: &&(&str, Vec<u8>)| wanted.as_ref().is_none_or(|wanted| wanted == seed.0);
+    let seeds: Vec<_> = seeds.iter().filter(is_wanted).collect();
+    if seeds.is_empty() {
+        return;
+    }
+    let seconds = std::env::var("COCARRY_SOAK_SECONDS").ok().and_then(|seconds| seconds.parse().ok());
+    let until = seconds.map(|seconds| clock() + Duration::from_secs(seconds));
     let mut rng = ChaCha8Rng::seed_from_u64(20_260_801);
-    let mut read = 0;
-    let count = count(in_suite);
-    for i in 0..count {
-        let (extension, seed) = &seeds[i % seeds.len()];
+    let (mut read, mut longest) = (0, Duration::ZERO);
+    let mut count = if until.is_some() { usize::MAX } else { count(in_suite) };
+    for i in 0.. {
+        if i == count || i >= seeds.len() && until.is_some_and(|until| clock() > until) {
+            count = i;
+            break;
+        }
+        let (extension, seed) = seeds[i % seeds.len()];
         let bytes = if i < seeds.len() { seed.clone() } else { mutant(seed, &mut rng) };
-        let begun = Instant::now();
+        let begun = clock();
         let is_read = reads(extension, &bytes);
-        assert!(begun.elapsed() < PATIENCE, "mutant {i} (.{extension}) takes {:?}", begun.elapsed());
+        let taken = clock().saturating_sub(begun);
+        longest = longest.max(taken);
+        assert!(taken < PATIENCE, "mutant {i} (.{extension}) takes {taken:?}");
         assert!(is_read || i >= seeds.len(), "seed {i} (.{extension}) is refused");
         read += usize::from(is_read);
+    }
+    if until.is_some() {
+        eprintln!("{}: {read} of {count} are read, in {longest:?} at most", seeds[0].0);
     }
     // seeds are read, and some mutants are not
     assert!(read >= seeds.len() && read < count, "{read} of {count} are read");
@@ -185,5 +231,140 @@ fn maps_that_are_damaged_are_read_or_refused() {
             std::fs::write(path(&format!("map.{extension}")), bytes).unwrap();
             read(&path(&format!("map.{extension}")))
         }
+    });
+}
+
+/// What `inspect`, `recover`, `render` and `replay` do with a recording.
+fn use_recording(bytes: &[u8], is_short: bool, folder: &Path) -> bool {
+    let reader = || Reader::new(bytes, "m");
+    let refused = |error: ReadError| {
+        let said = error.to_string();
+        assert!(said.starts_with("m: ") && said.len() < 10_000, "{said}");
+    };
+    let contents = reader().and_then(|mut reader| Contents::read(&mut reader));
+    for topic in ["/options", "/tf", "/log"] {
+        let _ = reader().and_then(|mut reader| columns(&mut reader, topic)).map_err(refused);
+    }
+    if let Ok(mut reader) = reader() {
+        // more channels than a file can have are refused
+        let _ = recover(&mut reader, &folder.join("out.mcap"), true);
+    }
+    if let Ok(playback) = reader().and_then(|mut reader| Playback::read(&mut reader)).map_err(refused) {
+        let page = player(&playback, "m", None).expect("a page");
+        assert!(!page.contains("NaN") || !page.contains(":NaN"));
+        filmstrip_svg(&playback, 3, Width::Inches(7.0)).expect("a picture");
+    }
+    if is_short {
+        let _ = reader().and_then(|first| replay(first, reader()?)).map_err(refused);
+    }
+    contents.is_ok()
+}
+
+#[test]
+fn recordings_that_are_damaged_are_read_or_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let reference = |i: usize| {
+        let file = crate::support::repository(&format!("recordings/environment-{i}.mcap"));
+        std::fs::read(file).unwrap()
+    };
+    // what is run again is short: the reference recordings take a second each
+    let short = |plant: Plant, limit: u64| {
+        let scenario = example(plant);
+        let settings = Settings { tick_limit: Some(limit), ..scenario.settings };
+        encoded(Scenario { settings, ..scenario }, |_| {}).0
+    };
+    let shorts = [
+        short(Plant::Point, 12),
+        short(Plant::Kinematic { setup: crate::recording::carrier() }, 3),
+        short(rapier(), 2),
+    ];
+    let mut seeds: Vec<(&str, Vec<u8>)> = Vec::new();
+    for (i, whole) in shorts.iter().enumerate() {
+        seeds.push(("short", whole.clone()));
+        seeds.push(("short", unpacked(whole)));
+        seeds.push(("reference", if i == 1 { unpacked(&reference(i + 1)) } else { reference(i + 1) }));
+    }
+    seeds.push(("reference", unpacked(&reference(4))));
+    try_all(100, &seeds, |kind, bytes| use_recording(bytes, kind == "short", folder.path()));
+}
+
+/// A study whose results are damaged.
+const STUDY: &str = "worlds = [\"environment-1\"]\nplants = \"point\"\nmethods = [\"mutual\", \"without-model\"]\neta = [5, 10.5]\nhumans = \"a\"\nseeds = { first = 2, last = 3 }\nmax_steps = 2\n\n[[human]]\nname = \"a\"\nalpha = \"uniform(0.55,0.95)\"\ngamma = 0.8\n\n[[belief]]\nname = \"sharp\"\nalpha = \"normal(0.75,0.05,0.55,0.95)\"\ngamma = \"uniform(0.5,1.1)\"\n";
+
+fn results(folder: &Path) -> Vec<u8> {
+    let study = Study::parse("s", STUDY, Path::new(""), None).unwrap();
+    let rows = folder.join("made.csv");
+    let outputs = SweepOutputs { rows: &rows, ticks: None, overwrite: true };
+    Sweep::open(&study, None, outputs).unwrap().run(&|| {}, &AtomicBool::new(false)).unwrap();
+    std::fs::read(rows).unwrap()
+}
+
+#[test]
+fn texts_that_are_damaged_are_read_or_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let of = |name: &str| std::fs::read(crate::support::repository(name)).unwrap();
+    std::fs::write(path("carrier.urdf"), of("assets/robots/carrier.urdf")).unwrap();
+    let settings = Settings { tick_limit: Some(3), ..Settings::default() };
+    let scenario = Scenario { settings, ..example(Plant::Point) };
+    let seeds = [
+        ("world", of("worlds/environment-4.toml")),
+        ("world", of("worlds/free-form.toml")),
+        ("robot", of("assets/robots/carrier.toml")),
+        ("scenario", scenario.text().unwrap().into_bytes()),
+        ("study", STUDY.as_bytes().to_vec()),
+        ("baseline", of("tests/fixtures/regress/costs.toml")),
+        ("answers", of("docs/data/simulated-answers.csv")),
+        ("switches", of("docs/data/simulated-switches.csv")),
+        ("rows", results(folder.path())),
+        ("snapshot", {
+            let prepared = scenario.clone().prepare().unwrap();
+            let mut episode = prepared.episode().unwrap();
+            episode.step();
+            prepared.snapshot(&episode).bytes().unwrap()
+        }),
+    ];
+    try_all(300, &seeds, |kind, bytes| {
+        std::fs::write(path(kind), bytes).unwrap();
+        let text = std::str::from_utf8(bytes).map_err(drop);
+        let done = match kind {
+            "world" => World::load(&path(kind)).map_err(drop).and_then(|world| {
+                // options of many obstacles take their time
+                if world.obstacles.len() < 30 {
+                    OptionSet::new(&world, 10.0).map(drop).map_err(drop)
+                } else {
+                    Ok(())
+                }
+            }),
+            "robot" => {
+                std::fs::write(path(TOML), bytes).unwrap();
+                Robot::check(&path(TOML)).map(drop).map_err(drop)
+            }
+            "scenario" => text.and_then(|text| {
+                let scenario = Scenario::parse(text).map_err(drop)?;
+                let again = Scenario::parse(&scenario.text().unwrap()).unwrap();
+                assert!(again == scenario);
+                scenario.prepare().map_err(drop)?.episode().map(drop).map_err(drop)
+            }),
+            "study" => {
+                text.and_then(|text| Study::parse("s", text, folder.path(), None).map(drop).map_err(drop))
+            }
+            "baseline" => Baseline::load(&path(kind)).map(drop).map_err(drop),
+            "answers" => AnswerFile::read(&path(kind)).map(drop).map_err(drop),
+            "switches" => SwitchFile::read(&path(kind)).map(drop).map_err(drop),
+            "rows" => Summary::load(&path(kind)).map(drop).map_err(drop),
+            _ => {
+                // a right checksum, so that what is changed is looked at
+                let mut bytes = bytes[..bytes.len().saturating_sub(4)].to_vec();
+                bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
+                Snapshot::parse("s", &bytes).map_err(drop).and_then(|Snapshot { scenario, state, .. }| {
+                    let prepared = scenario.prepare().map_err(drop)?;
+                    let mut episode = prepared.resume(state).map_err(drop)?;
+                    let _ = (0..5).find(|_| episode.step().is_some());
+                    Ok(())
+                })
+            }
+        };
+        done.is_ok()
     });
 }

@@ -4,7 +4,7 @@
 import {
   CapsuleGeometry, CylinderGeometry, Group, Mesh, MeshLambertMaterial, Quaternion, SphereGeometry, Vector3,
 } from "three";
-import { read } from "./episode.js";
+import { last, read } from "./episode.js";
 
 // Turning on the spot takes steps, too: metres of walking per radian.
 const TURNING = 0.25;
@@ -13,7 +13,6 @@ const up = new Vector3(0, 0, 1);
 
 export class Human {
   constructor(episode) {
-    this.episode = episode;
     const measures = this.measures = episode.measures;
     this.group = new Group();
     const material = Object.fromEntries(Object.entries(episode.colours).map(([name, color]) => [name, new MeshLambertMaterial({ color })]));
@@ -52,15 +51,21 @@ export class Human {
       shin: limb(measures.shin.radii_m, "trousers"),
       shoe: add(new CapsuleGeometry(0.045, 0.15, 4, 10), "shoes"),
     }));
+    this.take(episode);
+  }
+
+  // Walks through another episode.
+  take(episode) {
+    this.episode = episode;
+    this.walked = [0];
     this.measure();
   }
 
-  // The distance walked at every frame, which sets the phase of the gait.
+  // The distance walked at every frame, which sets the phase of the gait. An episode that still runs gets more frames.
   measure() {
     const { torso, time_s: times } = this.episode.frames;
-    this.walked = [0];
     const a = new Vector3(), b = new Vector3(), p = new Quaternion(), q = new Quaternion();
-    for (let i = 1; i < times.length; i++) {
+    for (let i = this.walked.length; i < times.length; i++) {
       read(torso, i - 1, a, p);
       read(torso, i, b, q);
       this.walked.push(this.walked[i - 1] + a.distanceTo(b) + TURNING * p.angleTo(q));
@@ -70,17 +75,18 @@ export class Human {
   // Position on the floor and heading of the body after a distance walked.
   body(distance) {
     const { torso } = this.episode.frames, { walked } = this;
-    const limited = Math.min(Math.max(distance, 0), walked[walked.length - 1]);
-    let i = walked.findIndex((w) => w > limited);
-    if (i < 1) i = limited > 0 ? walked.length - 1 : 1;
-    i = Math.min(i, walked.length - 1);
-    const before = Math.max(0, i - 1);
-    const span = walked[i] - walked[before];
-    const part = span > 0 ? (limited - walked[before]) / span : 0;
+    const end = walked[walked.length - 1];
+    const limited = Math.min(Math.max(distance, 0), end);
+    const after = Math.min(Math.max(1, last(walked, limited) + 1), walked.length - 1), before = Math.max(0, after - 1);
+    const span = walked[after] - walked[before];
+    const part = span > 0 ? Math.min(1, Math.max(0, (limited - walked[before]) / span)) : 0;
     const a = new Vector3(), b = new Vector3(), p = new Quaternion(), q = new Quaternion();
     read(torso, before, a, p);
-    read(torso, i, b, q);
-    return { at: a.lerp(b, part).setZ(0), turned: p.slerp(q, part) };
+    read(torso, after, b, q);
+    const [at, turned] = [a.lerp(b, part).setZ(0), p.slerp(q, part)];
+    // where an episode that still runs goes on is not known: straight ahead
+    if (this.episode.isRunning && distance > end) at.addScaledVector(new Vector3(1, 0, 0).applyQuaternion(turned), distance - end);
+    return { at, turned };
   }
 
   // Where a foot is: planted, or on its way to the next foothold.
@@ -113,6 +119,7 @@ export class Human {
   // Moves the figure to a place in the recording.
   update(place, torso, hand) {
     const { before, after, part } = place;
+    if (this.walked.length < this.episode.frames.time_s.length) this.measure();
     const { hip_m, shoulder_m, stride_m, ankle_m, reach_m, grip_m, thigh, shin, upper_arm, forearm } = this.measures;
     const hipHeight = hip_m[2], shoulderHeight = shoulder_m[2];
     const distance = this.walked[before] + part * (this.walked[after] - this.walked[before]);

@@ -58,7 +58,7 @@ export class Labels {
 }
 
 // The relative luminance of a colour `#rrggbb`; above 0.18, black letters have more contrast on it than white ones.
-function luminance(colour) {
+export function luminance(colour) {
   const light = [1, 3, 5].map((at) => {
     const part = Number.parseInt(colour.slice(at, at + 2), 16) / 255;
     return part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4;

@@ -216,12 +216,18 @@ try {
     ["overview", "overview", {}], ["follow", "follow", {}], ["shoulder", "shoulder", {}],
     ["overview-dark", "overview", { scheme: "dark" }], ["follow-dark", "follow", { scheme: "dark" }],
     ["phone", "follow", phone], ["phone-overview", "overview", phone], ["phone-dark", "shoulder", { ...phone, scheme: "dark" }],
+    ...[768, 800, 844].map((width) => [`tablet-${width}`, "follow", { width, height: 1024 }]),
   ]) {
     const { tab, faults } = await open(page, `play=0&t=${transition + 1.6}&camera=${camera}`, size);
     const wide = await tab.evaluate(() => document.documentElement.scrollWidth <= innerWidth);
     assert.ok(wide, `${name}: nothing is wider than the screen`);
     await tab.waitForTimeout(600);
     await labels(tab, name);
+    const covered = await tab.evaluate(() => [...document.querySelectorAll("#cameras button")].filter((button) => {
+      const { left, right, top, bottom } = button.getBoundingClientRect();
+      return [left + 3, (left + right) / 2, right - 3].some((x) => document.elementFromPoint(x, (top + bottom) / 2) !== button);
+    }).map((button) => button.textContent));
+    assert.deepEqual(covered, [], `${name}: buttons that something covers`);
     await tab.screenshot({ path: join(screenshots, `${name}.png`) });
     assert.deepEqual(faults, []);
     await tab.close();

@@ -1,15 +1,12 @@
 //! Images of occupancy grids: PGM (plain and raw) and PNG, as shades of grey.
 
 use cocarry::error::{Error, Place};
-use cocarry::guarded;
-use cocarry::located;
+use cocarry::{bounds, guarded, located};
 use std::io::Cursor;
 use std::path::Path;
 
 /// The largest number of cells of a map.
 const MAX_CELLS: usize = 1 << 26;
-/// The largest image file, bytes.
-const MAX_BYTES: u64 = 256 << 20;
 
 /// An image, row by row from the top.
 pub(crate) struct Image {
@@ -22,7 +19,7 @@ pub(crate) struct Image {
 impl Image {
     pub fn read(path: &Path) -> Result<Self, Error> {
         let file = path.display().to_string();
-        let read = located::read_bytes(MAX_BYTES, path);
+        let read = located::read_bytes(&bounds::IMAGE, path);
         let bytes = read.map_err(|error| located::unreadable(&file, error))?;
         let decoded = guarded::on_thread(|| Self::decode(&bytes));
         let decoded = decoded.unwrap_or_else(|panic| Err(format!("cannot be decoded: {panic}")));

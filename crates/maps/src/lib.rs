@@ -31,9 +31,10 @@ mod svg;
 mod svg_bounds;
 mod trace;
 
+use cocarry::bounds;
 use cocarry::error::{Error, Place};
 use cocarry::geometry::Point;
-use cocarry::located::{MAX_WORLD, Source, read_at_most};
+use cocarry::located::{self, Source};
 use cocarry::world::World;
 use request::{HEIGHT_M, MapEntry, Request, Unknown};
 use room::metres;
@@ -60,7 +61,7 @@ pub fn find(path: &Path, name: &str) -> Result<World, Error> {
         return Err(Error::at(Place::file(file.to_string()), sentence));
     }
     let file = path.display().to_string();
-    let text = read_at_most(MAX_WORLD, path)?;
+    let text = located::read(&bounds::WORLD, path)?;
     let source = Source { file: &file, text: &text };
     let folder = path.parent().unwrap_or(Path::new(""));
     World::parse(&file, &with_obstacles(source, folder)?)

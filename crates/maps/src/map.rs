@@ -7,20 +7,19 @@ use crate::request::Request;
 use crate::room::{MAX_CORNERS, Obstacles};
 use crate::simplify::simplified;
 use crate::trace::{Vertex, doubled_area, rings, without_pinches};
+use cocarry::bounds;
 use cocarry::error::{Error, ErrorKind, Place};
 use cocarry::geometry::Point;
-use cocarry::located::{Source, read_at_most};
+use cocarry::located::{self, Source};
 use std::path::Path;
 
-/// The largest description of a map, bytes.
-const MAX_DESCRIPTION: u64 = 1 << 16;
 /// Passages that are narrower than the robot by more than this (cells) are not followed.
 const NARROWER_CELLS: f64 = 2.0;
 
 /// The obstacles of the map described in a file, for a team from A to B.
 pub(crate) fn obstacles(path: &Path, request: &Request) -> Result<String, Error> {
     let file = path.display().to_string();
-    let text = read_at_most(MAX_DESCRIPTION, path)?;
+    let text = located::read(&bounds::GRID, path)?;
     let description = Description::parse(Source { file: &file, text: &text })?;
     let image = Image::read(&path.parent().unwrap_or(Path::new("")).join(&description.image))?;
     let grid = Grid::new(&description, &image);

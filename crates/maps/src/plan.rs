@@ -2,10 +2,11 @@
 
 use crate::request::Request;
 use crate::room::Obstacles;
+use cocarry::bounds;
 use cocarry::error::{Error, Place};
 use cocarry::geometry::Point;
 use cocarry::guarded;
-use cocarry::located::{MAX_WORLD, Source, read_at_most};
+use cocarry::located::{self, Source};
 use geojson::{Feature, GeoJson, GeometryValue, JsonObject};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -14,7 +15,7 @@ use std::path::Path;
 /// apply to its obstacles.
 pub(crate) fn obstacles(path: &Path, request: &Request) -> Result<String, Error> {
     let file = path.display().to_string();
-    let text = read_at_most(4 * MAX_WORLD, path)?;
+    let text = located::read(&bounds::PLAN, path)?;
     let source = Source { file: &file, text: &text };
     let plan = guarded::on_thread(|| text.parse::<GeoJson>());
     let plan = plan.map_err(|panic| source.invalid("GeoJSON file", panic))?;

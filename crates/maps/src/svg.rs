@@ -3,10 +3,11 @@
 use crate::request::Request;
 use crate::room::{MAX_CORNERS, Obstacles};
 use crate::svg_bounds::{self, DRAWING};
+use cocarry::bounds;
 use cocarry::error::{Error, Place};
 use cocarry::geometry::{Point, Vector, cross, left_of};
 use cocarry::guarded;
-use cocarry::located::{MAX_WORLD, Source, read_at_most};
+use cocarry::located::{self, Source};
 use std::collections::BTreeMap;
 use std::path::Path as FilePath;
 use usvg::tiny_skia_path::{PathSegment, Transform};
@@ -29,7 +30,7 @@ type Ring = Vec<Point>;
 /// wide as it is drawn. Names are the elements' ids. The origin is the lower left corner of the drawing.
 pub(crate) fn obstacles(path: &FilePath, request: &Request) -> Result<String, Error> {
     let file = path.display().to_string();
-    let text = read_at_most(4 * MAX_WORLD, path)?;
+    let text = located::read(&bounds::DRAWING, path)?;
     let source = Source { file: &file, text: &text };
     guarded::on_thread(|| of_text(source, request))
         .unwrap_or_else(|panic| Err(source.invalid("SVG file", panic)))

@@ -2,7 +2,8 @@
 
 use super::interrupt::Interrupt;
 use super::output::{
-    Failure, Progress as Bar, counted, examples, input, print, print_json, table, table_text, warn,
+    Failure, Progress as Bar, counted, examples, input, print, print_json, print_message, table, table_text,
+    warn,
 };
 use super::reproduce::Common;
 use super::sweep::{self, print_summary};
@@ -332,13 +333,14 @@ fn audit(job: &Job, percent: f64, arguments: &GatherArguments) -> Result<ExitCod
         let values = difference.row.values.iter().take(3);
         let values: Vec<_> =
             values.map(|[column, was, now]| format!("{column} is {was}, and {now} here")).collect();
-        eprintln!(
+        // names of nodes and values come from files
+        print_message(&format!(
             "audit: episode {} of shard {}/{of}, from {}: {}",
             difference.row.episode,
             difference.shard,
             difference.node,
             values.join("; ")
-        );
+        ));
     }
     eprintln!(
         "audit: {} of {} differ; run the shards of these nodes again",

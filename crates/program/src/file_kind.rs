@@ -3,7 +3,7 @@
 
 use super::output::{Failure, input};
 use anyhow::{Error, anyhow};
-use cocarry::located;
+use cocarry::{bounds, located};
 use std::path::{Path, PathBuf};
 
 /// A kind of TOML file that commands take.
@@ -56,7 +56,7 @@ pub(super) fn within(path: &Path, kind: FileKind) -> PathBuf {
 /// The failure to read `path` as this kind of file: if it is of another kind, the error says which and where
 /// it belongs.
 pub(super) fn refused(path: &Path, kind: FileKind, error: Error) -> Failure {
-    let table = located::read(path).ok().and_then(|text| text.parse::<toml::Table>().ok());
+    let table = located::read(&bounds::WORLD, path).ok().and_then(|text| text.parse::<toml::Table>().ok());
     let is = |other: &FileKind| *other != kind && table.as_ref().is_some_and(|t| t.contains_key(other.key()));
     input(match FileKind::ALL.into_iter().find(is) {
         Some(other) => anyhow!("{}: {}", path.display(), other.advice()),

@@ -6,10 +6,10 @@ use super::settings::number;
 use anyhow::Context;
 use clap::Args;
 use cocarry::episode::PreferenceChange;
-use cocarry::located;
 use cocarry::preference::{self, Belief, Marginal, Perception, Predictor, WeightedSample};
 use cocarry::scenario::{BELIEF_LAPSE, BELIEF_RATIONALITY, PERCEPTION, RISK_WEIGHT};
 use cocarry::world::World;
+use cocarry::{bounds, located};
 use std::path::{Path, PathBuf};
 
 /// The robot's model of humans: risk weight and belief.
@@ -68,7 +68,7 @@ impl BeliefArguments {
 
 fn samples(file: &Path) -> anyhow::Result<Belief> {
     let name = || file.display().to_string();
-    let text = located::read(file)?;
+    let text = located::read(&bounds::TABLE, file)?;
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let samples = reader
         .deserialize()

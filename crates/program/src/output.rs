@@ -35,12 +35,15 @@ pub(super) fn input(error: impl Into<Error>) -> Failure {
 /// Text without control characters, which a terminal would obey, or by which it would show the rest in another
 /// order: names in it come from files. Each is written as JSON writes it. Newlines and tabs stay.
 pub(super) fn visible(text: &str) -> Cow<'_, str> {
-    let is_direction = |c| matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
-    let is_obeyed = |c: char| c.is_control() && !matches!(c, '\n' | '\t') || is_direction(c);
+    let is_direction = |c| matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{206f}');
+    // two names that look the same
+    let is_unseen = |c| matches!(c, '\u{ad}' | '\u{200b}' | '\u{2060}'..='\u{2065}' | '\u{feff}' | '\u{e0000}'..='\u{e007f}');
+    let is_obeyed = |c: char| c.is_control() && !matches!(c, '\n' | '\t') || is_direction(c) || is_unseen(c);
     if !text.contains(is_obeyed) {
         return Cow::Borrowed(text);
     }
-    let shown = |c: char| if is_obeyed(c) { format!("\\u{:04x}", u32::from(c)) } else { c.into() };
+    let escaped = |c: char| c.encode_utf16(&mut [0; 2]).iter().map(|unit| format!("\\u{unit:04x}")).collect();
+    let shown = |c: char| if is_obeyed(c) { escaped(c) } else { String::from(c) };
     Cow::Owned(text.chars().map(shown).collect())
 }
 

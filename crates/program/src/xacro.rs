@@ -4,6 +4,7 @@
 use super::output;
 use clap::Args;
 use cocarry::Error;
+use cocarry::bounds;
 use cocarry::error::Place;
 use cocarry::robot::Expand;
 use cocarry::suggestion::shell_word;
@@ -14,11 +15,11 @@ use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
 /// The longest time that xacro may take, s. Descriptions of robots take less than one.
-pub const MAX_SECONDS: u64 = 30;
+pub const MAX_SECONDS: u64 = bounds::XACRO.seconds;
 /// The longest URDF that it may print, bytes: as long as a URDF that is read from a file.
-pub const MAX_OUTPUT: u64 = 16 << 20;
+pub const MAX_OUTPUT: u64 = bounds::XACRO.bytes();
 /// The largest address space that it may have, bytes; where the system can limit it.
-pub const MAX_MEMORY: u64 = 2 << 30;
+pub const MAX_MEMORY: u64 = bounds::XACRO.memory << 20;
 /// The longest message of it that is kept, bytes.
 const MAX_MESSAGE: u64 = 64 << 10;
 

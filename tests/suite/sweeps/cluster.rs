@@ -96,6 +96,12 @@ fn an_audit_names_the_node_and_the_value_that_differs() {
     std::fs::write(&file, format!("{head}\n{}", line(&cells))).unwrap();
     let said = ["episode 95 of shard 2/2, from node-7: seed is 6, and 5 here", "1 of 96 episodes differ"];
     refused(&bench, &["gather", "a.csv", "--audit", "100"], 1, &said);
+    // the note of a machine reaches a terminal
+    let nodes = bench.path("a.csv.job/shards/2-of-2.nodes");
+    let noted = std::fs::read_to_string(&nodes).unwrap();
+    std::fs::write(nodes, noted.replace("node-7", "\u{1b}[31mnode\u{202e}-7")).unwrap();
+    let said = ["from \\u001b[31mnode\\u202e-7: seed is 6"];
+    refused(&bench, &["gather", "a.csv", "--audit", "100", "--overwrite"], 1, &said);
 }
 
 #[test]

@@ -2,8 +2,8 @@
 
 use super::shapes::Shapes;
 use cocarry::geometry::Pose;
-use cocarry::located;
 use cocarry::robot::{Robot, Shape};
+use cocarry::{bounds, located};
 use foxglove::messages::SceneEntity;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::collections::BTreeMap;
@@ -62,7 +62,7 @@ impl Mesh {
             "dae" => "model/vnd.collada+xml",
             _ => return None,
         };
-        let mut data = located::read_bytes(MAX_BYTES, file).ok()?;
+        let mut data = located::read_bytes(&bounds::MESH, file).ok()?;
         if format == "dae" {
             data = upright(String::from_utf8(data).ok()?).into_bytes();
         }

@@ -3,8 +3,8 @@
 use super::records::Attachment;
 use super::{Entry, ReadError, Reader};
 use cocarry::Error;
-use cocarry::arithmetic;
 use cocarry::scenario::{Scenario, WorldText};
+use cocarry::{arithmetic, bounds};
 use std::collections::BTreeMap;
 use std::io::Read;
 
@@ -13,7 +13,7 @@ pub const METADATA: &str = "cocarry";
 /// The name of the metadata record with the losses of [`recover`](super::recover()).
 pub const RECOVERED: &str = "recovered";
 /// The size of the largest scenario that is read, bytes: a world and a robot.
-const MAX_BYTES: usize = 24 << 20;
+const MAX_BYTES: usize = bounds::SCENARIO.bytes() as usize;
 /// The key of the [stamp](arithmetic::stamp) of a recording's arithmetic.
 pub(super) const ARITHMETIC: &str = "arithmetic";
 /// The name of the attachment with the scenario's text.

@@ -4,10 +4,11 @@ use super::ClusterError;
 use crate::parallel::OnDone;
 use crate::study::{Shard, Study, Sweep, SweepOutputs};
 use cocarry::arithmetic;
-use cocarry::located::{self, MAX_SETTINGS, Source};
+use cocarry::bounds;
+use cocarry::located::{self, Source};
 use cocarry_output::output_file::{OutputError, Outputs};
 use serde::{Deserialize, Serialize};
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, OpenOptions};
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -129,7 +130,7 @@ impl Job {
             return Err(ClusterError::no_job(results, folder));
         }
         let file = path.display().to_string();
-        let text = located::read_at_most(MAX_SETTINGS, &path)?;
+        let text = located::read(&bounds::SETTINGS, &path)?;
         let description: Description = Source { file: &file, text: &text }.parse("job description")?;
         let this = env!("CARGO_PKG_VERSION");
         if description.version != this {
@@ -249,7 +250,7 @@ impl Job {
             return Progress { done: of, of, is_complete: true };
         }
         // complete rows below the header
-        let lines = File::open(self.shard_file(number, "csv.partial")).map_or(0, |file| {
+        let lines = located::open(&self.shard_file(number, "csv.partial")).map_or(0, |file| {
             let mut reader = BufReader::with_capacity(1 << 16, file);
             let mut lines = 0;
             while let Ok(bytes @ [_, ..]) = reader.fill_buf() {
@@ -266,7 +267,7 @@ impl Job {
     pub fn node_of(&self, episode: u64) -> Option<(u64, String)> {
         let Description { shards: of, episodes, .. } = self.description;
         let number = (1..=of).find(|&number| Shard { number, of }.episodes(episodes).contains(&episode))?;
-        let notes = located::read(&self.shard_file(number, "nodes")).unwrap_or_default();
+        let notes = located::read(&bounds::TABLE, &self.shard_file(number, "nodes")).unwrap_or_default();
         let starts = notes.lines().filter_map(|line| line.split_once(' '));
         let mut begun = starts.filter(|(first, _)| first.parse().is_ok_and(|first: u64| first <= episode));
         Some((number, begun.next_back().map_or("unknown", |(_, node)| node).to_owned()))

@@ -2,7 +2,6 @@
 
 use super::slurm::{self, Task};
 use super::{ClusterError, Job, Progress};
-use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
@@ -61,7 +60,7 @@ pub fn states(job: &Job) -> Result<Vec<(ShardState, Progress)>, ClusterError> {
 
 /// The last line of a log that is not empty.
 fn last_line(log: &Path) -> Option<String> {
-    let mut file = File::open(log).ok()?;
+    let mut file = cocarry::located::open(log).ok()?;
     let length = file.metadata().ok()?.len();
     file.seek(SeekFrom::Start(length.saturating_sub(END_OF_LOG))).ok()?;
     let mut bytes = Vec::new();

@@ -1,6 +1,6 @@
 //! A file of participants' percentages, checked and normalised.
 
-use super::table::{Column, bad_cell, duplicate, named_worlds, read};
+use super::table::{Column, bad_cell, check_counts, duplicate, named_worlds, read};
 use cocarry::Error;
 use cocarry::episode::prospects;
 use cocarry::error::Place;
@@ -99,6 +99,7 @@ impl AnswerFile {
                 percent: number,
             });
         }
+        check_counts(&file, rows.iter().map(|row| (row.participant.as_str(), row.world.as_str())))?;
         Ok(Self { file, rows })
     }
 
@@ -123,8 +124,10 @@ impl AnswerFile {
         // by participant and world
         let mut given: Vec<Vec<Given>> = Vec::new();
         let mut known: BTreeMap<&str, usize> = BTreeMap::new();
+        let worlds = answers.situations.iter().enumerate().map(|(w, s)| (s.world.clone(), w));
+        let worlds: BTreeMap<String, usize> = worlds.collect();
         for row in &self.rows {
-            let Some(w) = answers.situations.iter().position(|s| s.world == row.world) else { continue };
+            let Some(&w) = worlds.get(&row.world) else { continue };
             let options = &answers.situations[w].options;
             let Some(o) = options.iter().position(|name| *name == row.option) else {
                 let known: Vec<_> = options.iter().map(|name| format!("`{name}`")).collect();

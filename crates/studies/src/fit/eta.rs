@@ -11,6 +11,7 @@ use super::Switch;
 use super::lognormal::{self, LogNormal, NoInterval};
 use super::set::{Set, hull, intersection};
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// The number of participants who switched, besides others who did not, up to which the interval of the median
 /// is wider than it need be.
@@ -92,14 +93,16 @@ pub struct EtaFit {
 
 /// Fits eta to all episodes.
 pub fn fit_eta(switches: &[Switch]) -> EtaFit {
-    let mut names: Vec<&str> = Vec::new();
+    let (mut names, mut episodes) = (Vec::new(), Vec::<Vec<&Switch>>::new());
+    let mut known: BTreeMap<&str, usize> = BTreeMap::new();
     for switch in switches {
-        if !names.contains(&switch.participant.as_str()) {
-            names.push(&switch.participant);
-        }
+        let participant = *known.entry(&switch.participant).or_insert_with(|| {
+            names.push(switch.participant.as_str());
+            episodes.push(Vec::new());
+            episodes.len() - 1
+        });
+        episodes[participant].push(switch);
     }
-    let of = |name: &&str| switches.iter().filter(|s| s.participant == *name).collect::<Vec<_>>();
-    let episodes: Vec<Vec<&Switch>> = names.iter().map(of).collect();
     let is_scattered = episodes.iter().any(|own| {
         let sets = informative_sets(own);
         !sets.is_empty() && intersection(&sets).is_empty()

@@ -3,7 +3,7 @@
 use super::table::no_rows;
 use cocarry::Error;
 use cocarry::error::Place;
-use cocarry::located;
+use cocarry::{bounds, located};
 use std::path::Path;
 
 /// The kind of a file, by what participants did.
@@ -22,7 +22,7 @@ impl Kind {
     /// The file cannot be read, is empty, or has neither or both.
     pub fn of(path: &Path) -> Result<Self, Error> {
         let file = path.display().to_string();
-        let text = located::read(path)?;
+        let text = located::read(&bounds::TABLE, path)?;
         let is_header = |line: &&str| !line.is_empty() && !line.starts_with('#');
         let Some(header) = text.lines().map(str::trim).find(is_header) else {
             return Err(no_rows(&file, "participant, world, option, percent or step"));

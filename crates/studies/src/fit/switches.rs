@@ -1,11 +1,13 @@
 //! A file of switches, and the set of eta that each episode allows.
 
-use super::table::{Column, bad_cell, duplicate, named_worlds, read};
+use super::table::{Column, bad_cell, check_counts, duplicate, named_worlds, read};
 use super::{Guidance, Set};
 use cocarry::Error;
 use cocarry::error::Place;
 use cocarry::policy::Method;
 use cocarry::scenario::PreparedScenario;
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::path::Path;
 
 /// A file of switches, not yet matched with its worlds.
@@ -21,13 +23,12 @@ struct SwitchRow {
     participant: String,
     world: String,
     executed: Executed,
-    trial: String,
     step: Option<u64>,
     step_text: String,
 }
 
 /// The robot's behaviour in an episode.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Executed {
     /// It walked the option of this name.
     Option(String),
@@ -79,6 +80,8 @@ impl SwitchFile {
         ];
         let file = path.display().to_string();
         let mut rows: Vec<SwitchRow> = Vec::new();
+        // the line of every episode
+        let mut known = BTreeMap::new();
         for row in read(path, columns)? {
             let [participant, world, option, method, step, trial] = row.values;
             let line = row.line;
@@ -107,19 +110,18 @@ impl SwitchFile {
             let Some(number) = number else {
                 return Err(cell("step", &step, "a whole number of steps, or empty for never"));
             };
-            let is_same = |r: &&SwitchRow| {
-                (&r.participant, &r.world, &r.executed, &r.trial) == (&participant, &world, &executed, &trial)
-            };
-            if let Some(first) = rows.iter().find(is_same) {
+            let episode = (participant.clone(), world.clone(), executed.clone(), trial);
+            if let Some(first) = known.insert(episode, line) {
                 let what = format!(
                     "participant `{participant}` in {world}, {} (a column `trial` distinguishes repetitions),",
                     executed.name()
                 );
-                return Err(duplicate(Place::line(file, line, ""), what, first.line));
+                return Err(duplicate(Place::line(file, line, ""), what, first));
             }
             let (step, step_text) = (number, step);
-            rows.push(SwitchRow { line, participant, world, executed, trial, step, step_text });
+            rows.push(SwitchRow { line, participant, world, executed, step, step_text });
         }
+        check_counts(&file, rows.iter().map(|row| (row.participant.as_str(), row.world.as_str())))?;
         Ok(Self { file, rows })
     }
 
@@ -134,17 +136,15 @@ impl SwitchFile {
     /// # Errors
     /// An unknown option, or a step beyond the episode's end.
     pub fn matched(&self, worlds: &[(String, PreparedScenario)]) -> Result<Vec<Switch>, Error> {
-        let mut known: Vec<(&str, &Executed, Guidance)> = Vec::new();
+        let worlds: BTreeMap<&str, _> =
+            worlds.iter().map(|(name, prepared)| (name.as_str(), prepared)).collect();
+        let mut known: BTreeMap<(&str, &Executed), Guidance> = BTreeMap::new();
         let mut switches = Vec::new();
         for row in &self.rows {
-            let Some((_, prepared)) = worlds.iter().find(|(name, _)| *name == row.world) else { continue };
-            let is_same = |k: &(&str, &Executed, Guidance)| k.0 == row.world && *k.1 == row.executed;
-            let guidance = match known.iter().position(is_same) {
-                Some(i) => &known[i].2,
-                None => {
-                    known.push((&row.world, &row.executed, self.guidance(row, prepared)?));
-                    &known[known.len() - 1].2
-                }
+            let Some(prepared) = worlds.get(row.world.as_str()) else { continue };
+            let guidance = match known.entry((&row.world, &row.executed)) {
+                Entry::Occupied(guidance) => guidance.into_mut(),
+                Entry::Vacant(place) => place.insert(self.guidance(row, prepared)?),
             };
             if row.step.is_some_and(|step| step >= guidance.steps()) {
                 let (executed, last) = (row.executed.name(), guidance.steps().saturating_sub(1));

@@ -1,6 +1,7 @@
 //! A CSV file read by columns, each row with its line.
 
 use cocarry::Error;
+use cocarry::bounds;
 use cocarry::error::Place;
 use cocarry::located::{self, Source};
 use std::collections::BTreeSet;
@@ -21,6 +22,35 @@ impl Column {
     pub const fn optional(name: &'static str) -> Self {
         Self { name, is_optional: true }
     }
+}
+
+/// The largest number of participants of a file, of its worlds, and of both multiplied: memory and time are
+/// taken for each.
+const MAX_PARTICIPANTS: usize = 20_000;
+const MAX_WORLDS: usize = 1000;
+const MAX_ASKED: usize = 200_000;
+
+/// The check of the numbers of participants and worlds that rows name.
+///
+/// # Errors
+/// There are too many.
+pub(super) fn check_counts<'r>(
+    file: &str,
+    rows: impl Iterator<Item = (&'r str, &'r str)> + Clone,
+) -> Result<(), Error> {
+    let participants = rows.clone().map(|row| row.0).collect::<BTreeSet<_>>().len();
+    let worlds = rows.map(|row| row.1).collect::<BTreeSet<_>>().len();
+    for (found, limit, what) in [
+        (participants, MAX_PARTICIPANTS, "participants"),
+        (worlds, MAX_WORLDS, "worlds"),
+        (participants.saturating_mul(worlds), MAX_ASKED, "participants times worlds"),
+    ] {
+        if found > limit {
+            let sentence = format_args!("{found} {what}; at most {limit} are read at once: split the file");
+            return Err(Error::at(Place::file(file), sentence));
+        }
+    }
+    Ok(())
 }
 
 /// The trimmed values of a row, in the order of the requested columns; empty where a column is missing.
@@ -48,7 +78,7 @@ pub(super) fn named_worlds<'r>(rows: impl Iterator<Item = (&'r str, u64)>) -> Ve
 /// header.
 pub(super) fn read<const N: usize>(path: &Path, columns: [Column; N]) -> Result<Vec<Line<N>>, Error> {
     let file = path.display().to_string();
-    let text = located::read(path)?;
+    let text = located::read(&bounds::TABLE, path)?;
     let names: Vec<&str> = columns.iter().map(|c| c.name).collect();
     let expected = names.join(", ");
     let not_csv = |error: csv::Error| Source { file: &file, text: &text }.invalid("CSV file", error);

@@ -3,7 +3,7 @@
 use super::{FORMAT, Figure, Figures, Tolerance, figure_names};
 use cocarry::Error;
 use cocarry::error::Place;
-use cocarry::located::{self, MAX_SETTINGS};
+use cocarry::{bounds, located};
 use std::path::Path;
 use toml_edit::{Document, DocumentMut, Item, Table};
 
@@ -56,7 +56,7 @@ impl Baseline {
     /// # Errors
     /// The line, the key and the value. The arguments of the runs are not checked.
     pub fn load(path: &Path) -> Result<Self, Error> {
-        Self::parse(path.display().to_string(), located::read_at_most(MAX_SETTINGS, path)?)
+        Self::parse(path.display().to_string(), located::read(&bounds::SETTINGS, path)?)
     }
 
     /// Reads a file's text. Errors call it `file`.

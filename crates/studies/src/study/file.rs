@@ -21,6 +21,10 @@ const PAPER: &str = "paper";
 const BUILT_IN: &str = "built-in";
 /// The largest number of seeds of a run.
 const MAX_SEEDS: u64 = 1_000_000_000;
+/// The largest number of worlds, and of robots.
+const MAX_FILES: usize = 1000;
+/// The largest total length of the texts of worlds and robots, bytes.
+const MAX_TEXT: usize = 64 << 20;
 
 /// The keys of a run besides those of [`SETTINGS`]; a study has them too.
 const RUN_KEYS: [&str; 7] =
@@ -36,6 +40,8 @@ pub(super) struct Contents {
     pub humans: Vec<(String, Humans)>,
     pub beliefs: Vec<(String, Belief)>,
     pub runs: Vec<(Run, Place)>,
+    /// The total length of the texts of worlds and robots, bytes.
+    text_bytes: usize,
 }
 
 /// A run that is being read.
@@ -164,11 +170,13 @@ impl Contents {
             return Ok(known);
         }
         let path = folder.join(&name);
-        let mut world =
-            cocarry_maps::find(&path, &name).map_err(|source| SweepError::named(place, source))?;
+        let world = cocarry_maps::find(&path, &name);
+        let mut world = world.map_err(|source| SweepError::named(place.clone(), source))?;
         // named as in the study, independent of the current directory
         world.file.clone_from(&name);
+        self.text_bytes += world.text.len();
         self.worlds.push((name, world.into()));
+        self.check_files(place, self.worlds.len(), "worlds")?;
         Ok(self.worlds.len() - 1)
     }
 
@@ -177,7 +185,7 @@ impl Contents {
             return Ok(known);
         }
         let robot = if name == BUILT_IN { Robot::built_in() } else { Robot::load(&folder.join(&name)) };
-        let mut robot = robot.map_err(|source| SweepError::named(place, source))?;
+        let mut robot = robot.map_err(|source| SweepError::named(place.clone(), source))?;
         let postures = robot.postures.iter().map(|p| p.name.clone()).collect();
         if name != BUILT_IN {
             let texts = &mut robot.texts;
@@ -187,8 +195,21 @@ impl Contents {
                 texts.urdf_file = relative.display().to_string();
             }
         }
+        self.text_bytes += robot.texts.text.len() + robot.texts.urdf.len();
         self.robots.push((name, robot.into(), postures));
+        self.check_files(place, self.robots.len(), "robots")?;
         Ok(self.robots.len() - 1)
+    }
+
+    /// The check of the number of files of a kind, and of the length of all: one file may have many names.
+    fn check_files(&self, place: Place, count: usize, what: &'static str) -> Result<(), SweepError> {
+        if count > MAX_FILES {
+            return Err(SweepError::too_many(place, MAX_FILES, what));
+        }
+        match self.text_bytes <= MAX_TEXT {
+            true => Ok(()),
+            false => Err(SweepError::too_many(place, MAX_TEXT, "bytes of worlds and robots")),
+        }
     }
 
     /// Builds the cells of a run, and adds it.

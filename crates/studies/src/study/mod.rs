@@ -36,11 +36,11 @@ use cell::Cell;
 use cocarry::arithmetic;
 use cocarry::episode::Settings;
 use cocarry::error::Place;
-use cocarry::located::{self, MAX_SETTINGS};
 use cocarry::preference::{Predictor, RISK_WEIGHT};
 use cocarry::quantities::Heading;
 use cocarry::robot::SlowDrive;
 use cocarry::scenario::{Plant, PlantKind, PreparedScenario, RobotSetup, SETTINGS, Scenario};
+use cocarry::{bounds, located};
 use file::Contents;
 use origin::Origin;
 use run::{Run, Seeds};
@@ -97,7 +97,7 @@ impl Study {
     pub fn load(path: &Path, seeds: Option<u64>) -> Result<Self, SweepError> {
         let file = path.display().to_string();
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::parse(&file, &located::read_at_most(MAX_SETTINGS, path)?, folder, seeds)
+        Self::parse(&file, &located::read(&bounds::SETTINGS, path)?, folder, seeds)
     }
 
     /// Reads the text of a study file. Errors call it `file`. Files that it names are relative to `folder`.

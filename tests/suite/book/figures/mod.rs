@@ -10,6 +10,7 @@
 //! in the gate, and `book/renew` measures them again.
 
 mod bodies;
+mod bounds;
 mod coverage;
 mod learning;
 mod results;
@@ -29,7 +30,12 @@ const BEGUN: &str = " -->";
 const END: &str = "<!-- / -->";
 
 fn all() -> impl Iterator<Item = &'static Figure> {
-    results::FIGURES.iter().chain(bodies::FIGURES).chain(learning::FIGURES).chain(coverage::FIGURES)
+    results::FIGURES
+        .iter()
+        .chain(bodies::FIGURES)
+        .chain(learning::FIGURES)
+        .chain(coverage::FIGURES)
+        .chain(bounds::FIGURES)
 }
 
 /// A page with its figures, and their names.

@@ -4,6 +4,7 @@
 //! A file is made from the complete rows, so its bytes depend on nothing else. Numbers have the bits that the
 //! CSV file writes: the reader gives back each row's line of CSV, whose checksum is the one in the row.
 
+mod pages;
 mod ticks;
 
 pub(super) use ticks::Ticks;
@@ -14,10 +15,10 @@ use crate::columns::{self, Columns};
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type};
 use arrow_array::{Array, ArrayRef, RecordBatch};
-use arrow_schema::{DataType, Field};
+use arrow_schema::{DataType, Field, Schema};
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::{
-    ArrowReaderOptions, ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder,
+    ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder,
 };
 use parquet::basic::Compression;
 use parquet::errors::{ParquetError, Result};
@@ -118,7 +119,21 @@ fn guarded<T>(read: impl FnOnce() -> Result<T>) -> Result<T> {
 /// Opens a file; its columns have the types of Parquet, whatever a writer notes about Arrow's.
 fn open(file: File) -> Result<ParquetRecordBatchReaderBuilder<File>> {
     let options = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
+    pages::check_description(&file)?;
     guarded(|| ParquetRecordBatchReaderBuilder::try_new_with_options(file, options))
+}
+
+/// The batches of a file whose texts are shared: a value that is repeated is in memory once.
+fn batches(file: File, builder: &ParquetRecordBatchReaderBuilder<File>) -> Result<ParquetRecordBatchReader> {
+    pages::check_pages(&file, builder.metadata())?;
+    let shared = |field: &std::sync::Arc<Field>| match field.data_type() {
+        DataType::Utf8 => Field::new(field.name(), DataType::Utf8View, field.is_nullable()),
+        _ => Field::clone(field),
+    };
+    let schema = Schema::new(builder.schema().fields().iter().map(shared).collect::<Vec<_>>());
+    let options = ArrowReaderOptions::new().with_schema(schema.into());
+    let metadata = ArrowReaderMetadata::try_new(builder.metadata().clone(), options)?;
+    ParquetRecordBatchReaderBuilder::new_with_metadata(file, metadata).with_batch_size(BATCH).build()
 }
 
 /// A reader of the rows of a Parquet file of results.
@@ -135,11 +150,12 @@ impl Reader {
     /// Opens the file and checks names and types of its columns.
     pub fn open(file: File, name: &str) -> std::result::Result<Self, SweepError> {
         let unread = |error| unread(name, error);
+        let again = file.try_clone().map_err(|error| unread(error.into()))?;
         let builder = open(file).map_err(unread)?;
         check_columns(builder.schema().fields(), name)?;
         let pairs = builder.metadata().file_metadata().key_value_metadata();
         let study_text = value_of(pairs, STUDY).map(str::to_owned);
-        let batches = guarded(|| builder.with_batch_size(BATCH).build()).map_err(unread)?;
+        let batches = guarded(|| batches(again, &builder)).map_err(unread)?;
         Ok(Self { name: name.to_owned(), batches, batch: None, next: 0, study_text })
     }
 
@@ -178,7 +194,7 @@ fn cell(column: &ArrayRef, row: usize) -> String {
         DataType::Int64 => column.as_primitive::<Int64Type>().value(row).to_string(),
         DataType::Boolean => column.as_boolean().value(row).to_string(),
         // the columns are checked
-        _ => column.as_string_opt::<i32>().map_or("", |texts| texts.value(row)).to_owned(),
+        _ => column.as_string_view_opt().map_or("", |texts| texts.value(row)).to_owned(),
     }
 }
 

@@ -1,0 +1,22 @@
+//! Tables: of participants, and of results.
+
+use crate::file;
+use cocarry_studies::fit::{AnswerFile, Kind, SwitchFile};
+use cocarry_studies::study::Summary;
+
+pub fn answers(bytes: &[u8]) {
+    let file = file("answers.csv", bytes);
+    match Kind::of(&file) {
+        Ok(Kind::Answers) => drop(AnswerFile::read(&file)),
+        Ok(Kind::Switches) => drop(SwitchFile::read(&file)),
+        Err(_) => {}
+    }
+}
+
+pub fn rows(bytes: &[u8]) {
+    let _ = Summary::load(&file("rows.csv", bytes));
+}
+
+pub fn columns(bytes: &[u8]) {
+    let _ = Summary::load(&file("rows.parquet", bytes));
+}

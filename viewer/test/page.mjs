@@ -1,0 +1,212 @@
+// The page that runs the simulator, in Chromium: node test/page.mjs PROGRAM. It loads, plays, changes a world, carries,
+// and gives the same episode again, in the page and in the program.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { loadavg, tmpdir } from "node:os";
+import { join } from "node:path";
+import { clock, download, launch, open, over, serve, text } from "./serving.mjs";
+
+const program = process.argv[2];
+const folder = mkdtempSync(join(tmpdir(), "page-"));
+const cocarry = (...words) => execFileSync(program, words, { cwd: folder, encoding: "utf8", maxBuffer: 1 << 28 });
+const MAX_BYTES = 3.5e6, MAX_FIRST_MS = 2000;
+
+const server = await serve();
+const browser = await launch();
+
+async function loads() {
+  const times = [];
+  for (let i = 0; i < 3; i++) {
+    const { tab, close } = await open(browser, server.address);
+    times.push(Number(await tab.evaluate(() => document.body.dataset.drawn)));
+    if (i === 0) {
+      await tab.waitForFunction(() => Number.parseFloat(document.getElementById("clock").textContent) > 1.2, null, { timeout: 60e3 });
+      await tab.waitForFunction(() => document.getElementById("rates").textContent, null, { timeout: 60e3 });
+      console.log(`plays: ${await text(tab, "#rates")}`);
+      await tab.locator("#play").click();
+      const stopped = await clock(tab);
+      await tab.waitForTimeout(300);
+      assert.equal(await clock(tab), stopped, "paused");
+      await tab.locator("#step").click();
+      assert.ok(Math.abs((await clock(tab)) - 0.2 * Math.floor(stopped / 0.2 + 1 + 1e-6)) < 0.051, "one planning step further");
+    }
+    await close();
+  }
+  const bytes = [...server.sent].filter(([name]) => name !== "favicon.ico").reduce((sum, [, length]) => sum + length, 0);
+  assert.ok(bytes <= MAX_BYTES, `${bytes} bytes`);
+  // a machine with other work is slower: the quickest tells
+  assert.ok(Math.min(...times) < MAX_FIRST_MS, `first picture after ${times} ms`);
+  console.log(`loads: ${(bytes / 1e6).toFixed(2)} MB in all (compressed), first picture after ${times.join(", ")} ms at a load of ${loadavg()[0].toFixed(1)}`);
+}
+
+// The options on the page are those of the program for the same file.
+async function sameOptions(tab, name) {
+  const file = `${name}.toml`;
+  writeFileSync(join(folder, file), await download(tab, "world"));
+  const shown = await tab.locator("#options tbody tr").evaluateAll((rows) => rows.map((row) => [...row.cells].map((cell) => cell.textContent.trim())));
+  const { options } = JSON.parse(cocarry("world", file, "--json"));
+  assert.equal(shown.length, options.length, file);
+  options.forEach((option, o) => {
+    const [, , length, risk, cost, share] = shown[o];
+    const words = [shown[o][0], length, risk, cost, share.replace(/\s/g, "")];
+    const { name, length_m: d, risk: s, objective_cost_m: j, probability: p } = flat(option);
+    assert.deepEqual(words, [name, d.toFixed(2), s.toFixed(3), j.toFixed(2), `${(100 * p).toFixed(1)}%`], `${file}, option ${name}`);
+  });
+  return shown.map((row) => row.join(" ")).join("; ");
+}
+
+const flat = (option) => Object.fromEntries(Object.entries(option).flatMap(([key, value]) => (value && typeof value === "object" && !Array.isArray(value) ? Object.entries(value) : [[key, value]])));
+
+async function changes() {
+  const { tab, close } = await open(browser, server.address, "play=0&camera=map");
+  await tab.waitForSelector('#map [data-item="obstacle:2"]');
+  const before = await sameOptions(tab, "as-it-is");
+  // wall-3 goes north: the opening south of it widens
+  const [x, y] = await middle(tab, '#map [data-item="obstacle:2"] .wall');
+  await tab.mouse.move(x, y);
+  await tab.mouse.down();
+  const during = new Set();
+  for (let i = 1; i <= 8; i++) {
+    await tab.mouse.move(x, y - 3 * i);
+    during.add(await text(tab, "#options tbody"));
+  }
+  await tab.mouse.up();
+  assert.ok(during.size > 3, "options change while the wall is dragged");
+  const dragged = await sameOptions(tab, "dragged");
+  assert.notEqual(dragged, before);
+  const link = await addressOf(tab);
+  // keys move it as well; A too; and back
+  await tab.locator('[data-item="start_m"]').focus();
+  for (const key of ["ArrowUp", "ArrowUp", "Shift+ArrowLeft"]) await tab.keyboard.press(key);
+  const keyed = await sameOptions(tab, "keyed");
+  assert.notEqual(keyed, dragged);
+  for (let i = 0; i < 3; i++) await tab.locator("#undo").click();
+  assert.equal(await sameOptions(tab, "undone"), dragged);
+  // a wall that is drawn
+  await tab.locator("#tool-wall").click();
+  const [ax, ay] = await middle(tab, '[data-item="start_m"] .end'), [bx, by] = await middle(tab, '[data-item="target_m"] .end');
+  const at = (part, aside) => [ax + part * (bx - ax) - aside * 0.2 * (by - ay), ay + part * (by - ay) + aside * 0.2 * (bx - ax)];
+  await tab.mouse.move(...at(0.25, -1));
+  await tab.mouse.down();
+  await tab.mouse.move(...at(0.25, 0), { steps: 4 });
+  await tab.mouse.up();
+  const walled = await sameOptions(tab, "walled");
+  assert.match(await download(tab, "world"), /drawn-1/);
+  await tab.keyboard.press("Escape");
+  // a world that cannot be: a sentence, and the last good one stays
+  await tab.locator("#tool-move").click();
+  await tab.locator("#paste").click();
+  await tab.locator("#text").fill("name = \"x\"\nrobot_width_m = -1\nstart_m = [0, 0]\ntarget_m = [1, 1]");
+  await tab.locator("#use").click();
+  assert.match(await text(tab, "#world-fault"), /world\.toml.*robot_width_m|robot_width_m/s);
+  assert.equal((await tab.locator("#options tbody tr").evaluateAll((rows) => rows.map((row) => [...row.cells].map((cell) => cell.textContent.trim()).join(" ")).join("; "))), walled, "the last good world stays");
+  await tab.locator("#cancel").click();
+  await tab.locator("#file").setInputFiles({ name: "picture.toml", mimeType: "text/plain", buffer: Buffer.from([0xff, 0xfe, 0, 1]) });
+  await tab.waitForFunction(() => /picture\.toml is not a text/.test(document.getElementById("world-fault").textContent));
+  await close();
+  const again = await open(browser, link.split("#")[0], `${link.split("#")[1]}&play=0&camera=map`);
+  assert.equal(await sameOptions(again.tab, "linked"), dragged, "the link has the world");
+  await again.close();
+  console.log(`changes: a dragged, a keyed and a drawn wall have the program's options (${dragged.split("; ").length})`);
+}
+
+async function middle(tab, selector) {
+  const { x, y, width, height } = await tab.locator(selector).first().boundingBox();
+  const view = await tab.locator("#map").boundingBox();
+  const [left, right] = [Math.max(x, view.x), Math.min(x + width, view.x + view.width)];
+  const [top, bottom] = [Math.max(y, view.y + 60), Math.min(y + height, view.y + view.height - 60)];
+  return [(left + right) / 2, (top + bottom) / 2];
+}
+
+async function addressOf(tab) {
+  await tab.locator("#share").click();
+  await tab.waitForFunction(() => document.getElementById("share").textContent !== "Copy link");
+  return tab.evaluate(() => location.href);
+}
+
+// An episode of a model, at the highest speed: its digest is the program's, and that of its link.
+async function repeats() {
+  const { tab, close } = await open(browser, server.address, "plant=kinematic&play=0&method=human-led&belief=learn&eta=15");
+  await tab.locator("#speed").selectOption("8");
+  await tab.locator("#play").click();
+  const digest = await over(tab);
+  assert.match(await text(tab, "#report"), /Arrived at B after/);
+  const command = (await text(tab, "#command")).trim();
+  const report = await tab.locator("#report pre").textContent();
+  const words = command.split(/\s+/);
+  assert.equal(words.shift(), "cocarry");
+  const lines = (text) => text.split("\n").map((line) => line.trim()).filter(Boolean);
+  const printed = lines(cocarry(...words));
+  for (const line of lines(report)) assert.ok(printed.includes(line), `the program prints: ${line}\n${printed.join("\n")}`);
+  const log = await download(tab, "log");
+  writeFileSync(join(folder, "model.json"), log);
+  assert.match(cocarry("replay", "model.json"), /identical/);
+  const link = await addressOf(tab);
+  await close();
+  const [address, hash] = link.split("#");
+  const again = await open(browser, address, hash);
+  await again.tab.locator("#speed").selectOption("8");
+  assert.equal(await over(again.tab), digest, "the link gives the same episode");
+  await again.close();
+  console.log(`repeats: report of ${command.slice(0, 60)}… and digest ${digest} as in the program and from the link`);
+}
+
+// A person carries for 30 s of simulated time, by a scripted pointer and keys.
+async function carries() {
+  const { tab, close } = await open(browser, server.address, "play=0&camera=map&carry=1&period=0.05", { width: 760, height: 640 });
+  await tab.locator("#speed").selectOption("8");
+  const until = (time) => tab.waitForFunction((time) => Number.parseFloat(document.getElementById("clock").textContent) >= time || document.body.dataset.digest, time, { timeout: 120e3 });
+  const box = async (selector) => tab.locator(selector).boundingBox();
+  const from = await box("#map .ends g:first-child .end"), to = await box("#map .openings path:nth-child(2)");
+  // toward the opening that the robot leads to
+  const at = [from, to].map(({ x, y, width, height }) => [x + width / 2, y + height / 2]).reduce(([x0, y0], [x1, y1]) => [x0 + 0.6 * (x1 - x0), y0 + 0.6 * (y1 - y0)]);
+  await tab.locator("#play").click();
+  await tab.mouse.move(...at);
+  await tab.mouse.down();
+  for (const [time, aside] of [[1, 6], [2, -6], [3, 0], [4, 4]]) {
+    await until(time);
+    await tab.mouse.move(at[0] + aside, at[1]);
+  }
+  await tab.mouse.up();
+  await until(7);
+  await tab.keyboard.down("r");
+  await until(8.5);
+  await tab.keyboard.up("r");
+  await tab.keyboard.down("d");
+  await until(9.5);
+  await tab.keyboard.up("d");
+  await tab.keyboard.press("t");
+  await until(30);
+  if (!(await tab.evaluate(() => document.body.dataset.digest))) await tab.locator("#play").click();
+  const log = JSON.parse(await download(tab, "log"));
+  assert.ok(log.steps * 0.2 >= 30 || log.outcome === "arrived", `${log.steps} steps, ${log.outcome}`);
+  const [, digest] = log.digests[log.digests.length - 1];
+  writeFileSync(join(folder, "carried.json"), JSON.stringify(log));
+  const replayed = cocarry("replay", "carried.json", "--record", "carried.mcap");
+  assert.match(replayed, /identical: \d+ digests/);
+  assert.match(cocarry("replay", "carried.mcap"), /identical/);
+  const link = await addressOf(tab);
+  await close();
+  const [address, hash] = link.split("#");
+  const again = await open(browser, address, `${hash}&play=0`);
+  await again.tab.locator("#speed").selectOption("8");
+  await again.tab.locator("#play").click();
+  await again.tab.waitForFunction((steps) => Number.parseFloat(document.getElementById("clock").textContent) >= steps * 0.2 - 0.1 || document.body.dataset.digest, log.steps, { timeout: 120e3 });
+  const repeated = JSON.parse(await download(again.tab, "log"));
+  assert.equal(new Map(repeated.digests).get(log.digests[log.digests.length - 1][0]), digest, "the link repeats the person's decisions");
+  await again.close();
+  console.log(`carries: ${(log.steps * 0.2).toFixed(0)} s, ${log.outcome ?? "not over"}, a link of ${hash.length} characters, the program: ${replayed.trim().replaceAll("\n", "; ")}`);
+}
+
+try {
+  for (const check of [loads, changes, repeats, carries].filter(({ name }) => !process.argv[3] || name === process.argv[3])) {
+    const start = Date.now();
+    await check();
+    console.log(`  (${((Date.now() - start) / 1000).toFixed(0)} s)`);
+  }
+} finally {
+  await browser.close();
+  server.close();
+  rmSync(folder, { recursive: true });
+}
