@@ -13,8 +13,6 @@
 //! walk that the robot leads to its end, then both tables with a coarse grid of humans, then with a finer
 //! one. The objective is the sum over all cells of max(0, |r| - 0.9)^2 + 0.01 r^2, where r is the difference
 //! to the paper's figure in units of 5 % (Table II) or of 1.2 percentage points (Table I, today's largest).
-//! In the paper every column of Table II costs less than the one before (H2): what a column costs less than
-//! 0.2 % less, in units of 1 %, is squared and added.
 //! In the paper, humans with eta 10.5 take over in Environment 2 and those with eta 15 do not, so that their
 //! costs differ. Then the discomfort g of the walk that the robot leads must end between 10.5 and 15 times
 //! ln(1 / phi(0)); what it is below or above that, in units of 2, is squared and added.
@@ -180,9 +178,7 @@ impl Cells {
         let tolerance = [10.5, 15.0].map(|eta| eta * math::ln(10.0));
         let others =
             (tolerance[0] + 1.0 - self.discomfort).max(self.discomfort - tolerance[1] + 1.0).max(0.0);
-        let rise = |pair: &[f64]| math::squared((100.0 * (pair[1] / pair[0] - 1.0) + 0.2).max(0.0));
-        let rises = self.costs.windows(2).map(rise).sum::<f64>();
-        choices.chain(costs).map(cell).sum::<f64>() + rises + math::squared(others / 2.0)
+        choices.chain(costs).map(cell).sum::<f64>() + math::squared(others / 2.0)
     }
 }
 
