@@ -41,7 +41,7 @@
 //! ```
 //!
 //! This crate has no C code, no clock and no randomness from the operating system, and is for WebAssembly too
-//! (`tests/wasm/check` builds it). Packages of their own stand on it: output files and drawings
+//! (`crates/web/build` makes a module of it). Packages of their own stand on it: output files and drawings
 //! (`crates/output`), recordings (`crates/recording`), studies (`crates/studies`) and the program
 //! (`crates/program`).
 //!

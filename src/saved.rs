@@ -30,6 +30,11 @@ impl Saved {
         cbor::to_vec(state).map_or_else(|_| Self::default(), Self)
     }
 
+    /// The bytes.
+    pub(crate) fn bytes(&self) -> &[u8] {
+        &self.0
+    }
+
     /// The state read back. The error calls it `part`.
     pub fn read<T: DeserializeOwned>(&self, part: &'static str) -> Result<T, RestoreError> {
         cbor::from_slice(&self.0).map_err(|_| RestoreError { part })

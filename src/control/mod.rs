@@ -14,10 +14,6 @@ mod manipulator;
 mod mpc;
 mod obstacles;
 mod pose;
-#[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
-mod qp;
-#[cfg(all(target_family = "wasm", target_os = "unknown"))]
-#[path = "no_qp.rs"]
 mod qp;
 mod reaching;
 mod rolling;

@@ -230,6 +230,7 @@ pub(super) fn point_episode<'a>(
         tick: Tick::empty(progress.position),
         summary: Summary::empty(),
         begun: None,
+        carried: None,
         decided: None,
         prospects: Vec::new(),
         ways: Ways::default(),

@@ -6,8 +6,8 @@ use super::{Episode, Outcome};
 const STUCK_S: f64 = 10.0;
 
 impl Episode<'_> {
-    /// The outcome of an episode that is over.
-    pub(super) fn ended(&self) -> Option<Outcome> {
+    /// The outcome of an episode that is over; `None` while it goes on. To be asked between steps.
+    pub fn ended(&self) -> Option<Outcome> {
         if let Some(outcome) = self.summary.incident() {
             return Some(outcome);
         }

@@ -5,6 +5,7 @@
 //! and moves a [plant](crate::plant::Plant). An [`EpisodeBuilder`] puts them together.
 
 mod builder;
+mod carry;
 mod end;
 mod evaluated;
 mod execute;
@@ -47,6 +48,7 @@ use crate::preference::{Perception, Predictor, Prospect, Ways};
 use crate::robot::Configuration;
 use crate::simulation::Observation;
 use crate::team::{Route, Walk};
+use carry::Carried;
 use evaluated::{Evaluated, Predicted};
 use step::Begun;
 
@@ -69,8 +71,10 @@ pub struct Episode<'a> {
     /// The last step.
     tick: Tick,
     summary: Summary,
-    /// A step that has begun and is not finished.
+    /// A step that has begun, before the decision of the robot's policy.
     begun: Option<Begun>,
+    /// A step that is being carried out.
+    carried: Option<Carried>,
     /// The decisions of the last step.
     decided: Option<(HumanDecision, Decision)>,
     /// D_o and S_o in the last step.

@@ -42,6 +42,23 @@ impl State {
     pub fn steps(&self) -> u64 {
         self.summary.steps
     }
+
+    /// A digest of the team's motion so far, its bodies, and the robot's memory (FNV-1a, 64 bits, of their
+    /// CBOR). Human and policy are left out: one who decided and one who repeats those decisions have the same
+    /// digest.
+    pub fn digest(&self) -> u64 {
+        let Self { human: _, policy: _, controller, walk, plant, progress, route, tick, summary, .. } = self;
+        let Self { steps_without_progress, learned, .. } = self;
+        let moving = (controller, walk, plant, progress, route, tick);
+        fnv_1a(Saved::of(&(moving, summary, steps_without_progress, learned)).bytes())
+    }
+}
+
+/// FNV-1a, 64 bits.
+fn fnv_1a(bytes: &[u8]) -> u64 {
+    bytes
+        .iter()
+        .fold(0xcbf2_9ce4_8422_2325, |sum, byte| (sum ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3))
 }
 
 impl Episode<'_> {
@@ -55,7 +72,7 @@ impl Episode<'_> {
             // memory that every step fills again
             predictor: _, memory: _, body_poses: _, hand_from: _, hands: _,
             // of a step that is not whole
-            begun: _,
+            begun: _, carried: _,
             // for a robot that learns
             learner, prospects, ways, decided,
         } = self;
@@ -120,5 +137,17 @@ impl Episode<'_> {
         self.controller.restore(&state.controller)?;
         let State { progress, route, tick, summary, steps_without_progress, .. } = state;
         Ok(Self { progress, route, tick, summary, steps_without_progress, ..self })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closed_form_fnv_1a_has_its_published_values() {
+        assert_eq!(fnv_1a(b""), 0xcbf2_9ce4_8422_2325);
+        assert_eq!(fnv_1a(b"a"), 0xaf63_dc4c_8601_ec8c);
+        assert_eq!(fnv_1a(b"foobar"), 0x8594_4171_f739_67e8);
     }
 }

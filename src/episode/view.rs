@@ -29,9 +29,11 @@ impl Episode<'_> {
         })
     }
 
-    /// The view of the robot's policy in a step that has begun; `None` between steps.
+    /// The view of the robot's policy in a step that has begun; `None` between steps. While the step is carried
+    /// out, bodies and forces are the present ones.
     pub fn robot_view(&self) -> Option<RobotView<'_>> {
-        let begun = self.begun.as_ref()?;
+        let carried = self.carried.as_ref().map(|carried| &carried.begun);
+        let begun = self.begun.as_ref().or(carried)?;
         let step = self.settings.planning_step;
         Some(view(self.now(), step, begun, self.options, &self.progress, self.plant.observe()))
     }

@@ -29,6 +29,7 @@ mod episode;
 mod event;
 mod learned;
 mod preparation;
+mod report;
 mod tick;
 mod value;
 

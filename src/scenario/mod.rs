@@ -17,16 +17,21 @@
 //! ```
 
 mod check;
+mod decisions;
 mod given;
+mod log;
 mod plant;
 mod preference_changes;
 mod prepared;
 mod setting;
 mod settings;
 mod snapshot;
+mod warnings;
 mod word;
 
+pub use decisions::{Decisions, MAX_MOTION, PolicyLog};
 pub use given::{GivenRobot, GivenWorld, WorldText};
+pub use log::EpisodeLog;
 pub use plant::{Plant, PlantKind, RobotSetup};
 pub use preference_changes::{ParsePreferenceChangesError, PreferenceChanges, drawn_changes};
 pub use prepared::{Partners, PreparedScenario};

@@ -218,7 +218,11 @@ impl PreparedScenario {
         })
     }
 
-    fn human(&self) -> Result<Box<dyn Human>, Error> {
+    /// The scenario's human, before the first step.
+    ///
+    /// # Errors
+    /// The human model is not valid.
+    pub fn human(&self) -> Result<Box<dyn Human>, Error> {
         let Scenario { human_model, human: perception, changes, settings, seed, .. } = &self.scenario;
         let (options, stubbornness) = (&self.scene.options, settings.coordination);
         let participant =

@@ -227,6 +227,16 @@ impl Range {
         Self { least, is_open: true, most }
     }
 
+    /// The least number, or the one that all are above if [`Range::is_open`], and the largest.
+    pub fn ends(&self) -> [f64; 2] {
+        [self.least, self.most]
+    }
+
+    /// Whether the least end is not in the range itself.
+    pub fn is_open(&self) -> bool {
+        self.is_open
+    }
+
     /// Whether the number is in the range; NaN is not.
     pub fn contains(&self, value: f64) -> bool {
         value <= self.most && if self.is_open { value > self.least } else { value >= self.least }

@@ -6,7 +6,7 @@ use cocarry::geometry::{Point, Vector};
 use cocarry::human::{HandView, Human, HumanDecision, HumanView, Stance};
 use cocarry::learning;
 use cocarry::robot::Robot;
-use cocarry::scenario::{Plant, PlantKind, PreparedScenario, RobotSetup, Scenario};
+use cocarry::scenario::{Decisions, Plant, PlantKind, PreparedScenario, RobotSetup, Scenario};
 use cocarry_recording::recording;
 use cocarry_studies::paper;
 use std::io::Cursor;
@@ -121,7 +121,7 @@ fn a_hand_from_outside_has_a_target_in_every_control_period() {
     let prepared = prepared(PlantKind::Rapier, 0.05);
     let builder = prepared.builder().unwrap_or_else(|e| panic!("{e}"));
     let mut episode = builder.with_human(Swinging).begin().unwrap_or_else(|e| panic!("{e}"));
-    let log = recording::Decisions::new(true, None);
+    let log = Decisions::new(true, None);
     let recorder = recording::Recorder::new(Cursor::new(Vec::new()), "a hand", &prepared, &episode);
     let mut recorder = recorder.expect("a recorder").logging(log);
     for _ in 0..9 {

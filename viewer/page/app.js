@@ -20,6 +20,8 @@ import { View } from "./view.js";
 const $ = (id) => document.getElementById(id);
 // How long a slider rests before the episode starts again, ms.
 const REST_MS = 160;
+// Pictures per second below which the picture gets coarser.
+const FEW_PICTURES = 24;
 const isStill = matchMedia("(prefers-reduced-motion: reduce)").matches;
 
 export class App {
@@ -30,6 +32,7 @@ export class App {
     this.plane = new Plane($("plane"), (values) => choices.change(values));
     this.timeline = new Timeline((time) => this.seek(time));
     this.runner = new Runner({ decide: () => this.decide(), done: () => this.deeds.note(this.core) });
+    this.runner.onMeasured = () => this.runner.rates.pictures_per_s < FEW_PICTURES && !this.showsMap && this.view?.coarser();
     this.editor = new Editor(module, {
       draw: (drawn, file) => this.drawWorld(drawn, file),
       fault: (sentence) => ($("world-fault").textContent = sentence),

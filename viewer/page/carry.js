@@ -7,6 +7,9 @@ const KEYS = {
 };
 // Where a target that is farther away than this lies makes no difference, s of walking.
 const AHEAD_S = 0.8;
+// A person feels the force and the page's reader does not: above the first of these, N, horizontally, the hand gives way
+// and walks along, until it is below the second.
+const GIVES_WAY_N = 30, HOLDS_AGAIN_N = 12;
 // A gamepad's stick in this part of its range is at rest.
 const DEAD = 0.2;
 const GAMEPAD = { resist: 1, lead: 0 };
@@ -106,11 +109,14 @@ export class Carry {
       goal = [x + direction[0] * speed * AHEAD_S, y + direction[1] * speed * AHEAD_S];
     } else if (this.pointer) {
       goal = this.floor(this.pointer.x, this.pointer.y);
-      if (goal) speed = Math.min(fastest, Math.hypot(goal[0] - x, goal[1] - y) / AHEAD_S);
+      if (goal) speed = Math.min(fastest, 1.2 * usual, Math.hypot(goal[0] - x, goal[1] - y) / AHEAD_S);
     }
+    const [fx, fy] = core.part("hand_wrench_now"), force = Math.hypot(fx, fy);
+    if (force > GIVES_WAY_N) this.givesWay = true;
+    else if (!(force > HOLDS_AGAIN_N)) this.givesWay = false;
     const stance = this.isResisting ? STANCES.resist : this.isLeading ? STANCES.takeOver : STANCES.follow;
     core.human(this.isLeading && goal ? nearest(options, goal) : -1, stance);
-    if (!goal) core.hand();
+    if (!goal || this.givesWay) core.hand();
     else {
       const far = Math.hypot(goal[0] - x, goal[1] - y), part = far > 1e-6 ? Math.min(1, (speed * period) / far) : 0;
       core.hand(mm(x + part * (goal[0] - x)), mm(y + part * (goal[1] - y)));

@@ -4,6 +4,8 @@ import { OVER, STEP_DONE } from "../../crates/web/cocarry.js";
 import { Episode } from "../src/episode.js";
 
 const POSES = ["object", "hand", "torso"];
+// How high the object is held, and how far ahead of the hand the human walks, m, on the planning level.
+const HELD_M = 0.7, REACH_M = 0.3;
 const MODES = ["robot-led", "human-led"];
 
 export class LiveEpisode extends Episode {
@@ -37,10 +39,10 @@ export class LiveEpisode extends Episode {
     this.outcomes = outcomes;
     this.isFelt = isFelt;
     this.isRunning = true;
-    // until how long the longest likely walk takes
-    this.expected = 0;
+    // when it will probably end, s: before the first step, as on the shortest option
+    const shortest = Math.min(...core.part("option_length"));
+    this.expected = shortest > 0 ? Math.ceil(shortest / scenario.speed_m_per_s) : 10;
     this.note();
-    this.expected = 1.15 * (core.value("path_length") / scenario.speed_m_per_s) + 2;
     this.pathNow();
     this.listen();
   }
@@ -82,7 +84,7 @@ export class LiveEpisode extends Episode {
     const time = core.value("time");
     if (!(time <= this.end) || !frames.time_s.length) {
       frames.time_s.push(time);
-      for (const body of POSES) frames[body].push(...core.part(body));
+      for (const [body, pose] of Object.entries(this.#poses())) frames[body].push(...pose);
       const [x, y, yaw] = core.part("base");
       frames.base.push(x, y, 0, 0, 0, Math.sin(yaw / 2), Math.cos(yaw / 2));
       if (this.robot.length) {
@@ -92,6 +94,8 @@ export class LiveEpisode extends Episode {
         });
       }
     }
+    const left = (core.value("path_length") - core.value("along")) / this.facts.speed_m_per_s;
+    if (left > 0 && Number.isFinite(left)) this.expected = Math.max(this.expected, Math.ceil(1.05 * (time + left)));
     const state = {
       step: core.value("step"), mode: core.value("mode"), executed: core.value("executed"), preferred: core.value("preferred"),
       phi: core.value("stubbornness"), probabilities: [...core.part("option_probability")],
@@ -108,6 +112,16 @@ export class LiveEpisode extends Episode {
         steps.figures[key].values[k] = known(Math.hypot(...core.part(field).subarray(0, 3)));
       }
     }
+  }
+
+  // Where object, hand and torso are. On the planning level the team is a point: they are drawn for orientation.
+  #poses() {
+    const { core } = this, [length] = this.world.object_m;
+    if (Number.isFinite(core.part("object")[0])) return Object.fromEntries(POSES.map((body) => [body, [...core.part(body)]]));
+    const [x, y] = core.part("position"), heading = core.value("heading");
+    const yaw = Number.isFinite(heading) ? heading : Math.atan2(this.world.target[1] - y, this.world.target[0] - x);
+    const at = (ahead) => [x + ahead * Math.cos(yaw), y + ahead * Math.sin(yaw), HELD_M, 0, 0, Math.sin(yaw / 2), Math.cos(yaw / 2)];
+    return { object: at(0), hand: at(length / 2), torso: at(length / 2 + REACH_M) };
   }
 
   pathNow() {

@@ -7,7 +7,7 @@ import { luminance } from "../src/labels.js";
 import { isMovable } from "./edit.js";
 
 // Room around the drawing for the controls, px, and around the paths, m.
-const MARGIN = { side: 20, top: 62, bottom: 62 }, MARGIN_M = 0.8;
+const MARGIN = { side: 20, top: 62, bottom: 104 }, MARGIN_M = 0.8;
 const NARROW_PX = 620, ROW_PX = 40;
 // The size of a key's step, m; with Shift.
 const STEP_M = 0.1, LEAP_M = 0.5;

@@ -73,6 +73,7 @@ export class Runner {
     if (sum.seconds < WINDOW_S) return;
     this.rates = { pictures_per_s: sum.pictures / sum.seconds, physics_share: sum.physics / sum.seconds, speed: sum.simulated / sum.seconds };
     this.measured = fresh();
+    this.onMeasured?.();
   }
 
   // The speed that the machine reaches where it is less than the one asked for; else null.

@@ -4,6 +4,8 @@ import { symbol } from "../src/episode.js";
 const $ = (id) => document.getElementById(id);
 // How often charts, the plane and the timeline grow, ms.
 const GROW_MS = 450;
+// How near the team is to B when the plane stays as it was, m.
+const LAST_CHOICE_M = 1;
 
 export class Shown {
   constructor(app) {
@@ -44,9 +46,10 @@ export class Shown {
     app.charts.layout();
     app.timeline.grow();
     if (app.map.isHeld || !episode.count) return;
-    // the plane goes with the team: what people would choose from here
+    // the plane goes with the team: what people would choose from here. At B there is nothing left to choose
+    const isThere = core.value("path_length") - core.value("along") < LAST_CHOICE_M;
     const step = episode.count - 1, options = episode.options.map((option) => ({ ...option, probability: option.probability[step] }));
-    if (core.regions) app.plane.show(core.regions(), options, app.person());
+    if (!isThere && episode.isRunning) app.plane.show(core.regions(), options, app.person());
     if (app.choices.now.belief === "learn") app.plane.believe(core.summary().learned);
   }
 

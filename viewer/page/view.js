@@ -6,6 +6,8 @@ import { Stage } from "../src/scene.js";
 
 // The length of a force's arrow, m per N, and the smallest force that has one, N.
 const METRES_PER_NEWTON = 0.03, SMALLEST = 0.5;
+// The fewest points of the picture per point of the page.
+const COARSEST = 0.5;
 // Until the reader chooses: the camera of the first picture.
 const BEGIN = "follow";
 
@@ -163,6 +165,14 @@ export class View {
     if (!team.length) return [];
     const [xs, ys] = [team.map(({ x }) => ((x + 1) / 2) * width), team.map(({ y }) => ((1 - y) / 2) * height)];
     return [[Math.min(...xs), Math.min(...ys), Math.max(...xs), Math.max(...ys)]];
+  }
+
+  // Draws fewer points: on a machine without graphics, a coarser picture that moves is better than a fine one that stands.
+  coarser() {
+    const ratio = this.renderer.getPixelRatio();
+    if (ratio <= COARSEST) return;
+    this.renderer.setPixelRatio(Math.max(COARSEST, 0.75 * ratio));
+    this.resize();
   }
 
   // Waits until the graphics processor has drawn.

@@ -145,11 +145,11 @@ async function missing() {
 }
 
 async function pictures() {
-  const sizes = { 390: 844, 768: 1024, 844: 1180, 1024: 768, 1440: 900 };
+  const sizes = { 390: 844, 768: 1024, 1024: 768, 1440: 900 };
   for (const [width, height] of Object.entries(sizes)) {
     for (const scheme of ["light", "dark"]) {
       for (const [name, hash] of [["follow", ""], ["map", "camera=map&"], ["carry", "carry=1&period=0.05&camera=shoulder&"]]) {
-        if (name !== "follow" && scheme === "dark" && !["390", "1440"].includes(width)) continue;
+        if (name !== "follow" && (scheme === "dark" || !["390", "1440"].includes(width))) continue;
         const { tab, close } = await opened(`${hash}play=0`, { width: Number(width), height, scheme });
         for (let i = 0; i < 22; i++) await tab.locator("#step").click();
         await tab.waitForTimeout(700);

@@ -36,6 +36,7 @@ assert.equal(read.faults.length, 7, read.faults.join("\n"));
 for (const key of ["alpha=-1", "gamma=x", "world=nowhere", "seed=1.5", "phi=2", "file=!!", "log=AAAA"]) {
   assert.ok(read.faults.some((fault) => fault.startsWith(`${key}: expected`)), `${key}: ${read.faults}`);
 }
+assert.equal((await link.read("stubbornness=1.5&eta=2000000", catalogue)).faults.length, 2, "numbers beyond what the program takes");
 // no link unpacks to more than a page can bear, and a long one is not read
 const bomb = await link.packed("a".repeat(5 << 20));
 assert.equal((await link.read(`file=${bomb}`, catalogue)).faults.length, 1);
@@ -77,6 +78,7 @@ assert.deepEqual([of.toml, of.stubbornness, of.belief, of.human, of.rationality]
 const choices = new Choices({ human: "boltzmann", plant: "point" });
 assert.equal(choices.scenario().settings.human_model, "boltzmann(2)");
 assert.ok(!("robot" in choices.scenario()), "no robot on the planning level");
+assert.equal(new Choices({ robot: "omni-carrier" }).scenario().robot, "omni-carrier");
 const heard = [];
 choices.onChange((keys) => heard.push(keys));
 choices.change({ alpha: BEGIN.alpha, carry: true, period: 0.05 });

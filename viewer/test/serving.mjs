@@ -3,20 +3,22 @@ import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { createServer } from "node:http";
 import { fileURLToPath } from "node:url";
+import { gzipSync } from "node:zlib";
 import { chromium } from "playwright-core";
 
 const FOLDER = fileURLToPath(new URL("../dist/page/", import.meta.url));
 const TYPES = { html: "text/html", js: "text/javascript", css: "text/css", wasm: "application/wasm", txt: "text/plain" };
 
-// Serves the page's folder; `sent` counts the bytes of every file.
+// Serves the page's folder, compressed as web hosts do; `sent` has the bytes that went for every file.
 export async function serve() {
-  const sent = new Map();
+  const sent = new Map(), compressed = new Map();
   const server = createServer(async (request, answer) => {
     const name = new URL(request.url, "http://127.0.0.1").pathname.replace(/^\/$/, "/index.html").slice(1);
     try {
-      const bytes = await readFile(FOLDER + name);
+      if (!compressed.has(name)) compressed.set(name, gzipSync(await readFile(FOLDER + name)));
+      const bytes = compressed.get(name);
       sent.set(name, bytes.length);
-      answer.writeHead(200, { "content-type": TYPES[name.split(".").pop()] ?? "application/octet-stream" }).end(bytes);
+      answer.writeHead(200, { "content-type": TYPES[name.split(".").pop()] ?? "application/octet-stream", "content-encoding": "gzip" }).end(bytes);
     } catch {
       answer.writeHead(404).end();
     }

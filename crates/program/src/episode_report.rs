@@ -4,10 +4,7 @@ use super::output::{OPTION_HEADINGS, option_json, table, table_text};
 use super::terminal::{ATTENTION, BAD, BOLD, GOOD, Text};
 use anstyle::Style;
 use cocarry::coordination;
-use cocarry::episode::{
-    ControlSummary, Episode, GRASP_WARNING_RMS_M, HumanSummary, OptionTick, Outcome, PreferenceChange,
-    Settings, Summary, Tick,
-};
+use cocarry::episode::{Episode, OptionTick, Outcome, PreferenceChange, Settings, Summary, Tick};
 use cocarry::geometry::Point;
 use cocarry::policy::Method;
 use cocarry::preference::Perception;
@@ -16,7 +13,6 @@ use cocarry::robot::Robot;
 use cocarry::scenario::{PreparedScenario, RobotSetup};
 use cocarry_output::drawing::Track;
 use serde_json::{Value, json};
-use std::fmt::Write;
 
 /// The report of a finished episode.
 pub(super) struct EpisodeReport<'a> {
@@ -36,21 +32,6 @@ fn style(event: &Event) -> Option<Style> {
         (Severity::Warning, "mode") => Some(BOLD),
         _ => None,
     }
-}
-
-/// alpha and gamma that experiments report for people, about: beyond them, a digit is probably mistyped.
-const PLAUSIBLE: [f64; 2] = [0.2, 2.0];
-
-/// Warnings about a scenario, known before its episode.
-pub(super) fn scenario_warnings(prepared: &PreparedScenario) -> Vec<String> {
-    let Perception { alpha, gamma } = prepared.scenario().human;
-    let [least, most] = PLAUSIBLE;
-    let odd =
-        [("alpha", alpha), ("gamma", gamma)].into_iter().filter(|(_, value)| !(least..=most).contains(value));
-    let odd = odd.map(|(name, value)| {
-        format!("{name} = {value}: experiments find values from {least} to {most} for people")
-    });
-    odd.chain(prepared.slow_drive().map(|slow| slow.to_string())).chain(prepared.robot_warnings()).collect()
 }
 
 impl EpisodeReport<'_> {
@@ -158,87 +139,12 @@ impl EpisodeReport<'_> {
         if summary.steps == 0 {
             report.plain("  no step was taken\n");
         }
-        text = format!("  accumulated objective cost {:.2} m\n", summary.accumulated_cost);
-        let HumanSummary { stubbornness, discomfort, subjective_cost, .. } = summary.human;
-        let _ = writeln!(
-            text,
-            "  human: final phi {stubbornness:.3}, discomfort g {discomfort:.2}; spent {:.0} % of the steps on an option they did not prefer; \
-             accumulated subjective cost {subjective_cost:.2}",
-            100.0 * summary.human.share_off_preference(summary.steps)
-        );
-        if let (Some((robot, setup)), Some(control)) = (self.robot_setup(), &summary.control) {
-            text += &self.control_text(robot, &setup.posture, control);
-        }
-        report.plain(&text);
-        for warning in self.episode_warnings() {
+        report.plain(&self.view().conclusion());
+        for warning in self.view().warnings() {
             report.plain("\n");
             report.styled(ATTENTION, &format!("warning: {warning}\n"));
         }
         report
-    }
-
-    fn control_text(&self, robot: &Robot, posture: &str, control: &ControlSummary) -> String {
-        let steps = self.summary().steps;
-        let mut text = format!(
-            "\nThe robot ({}, starting from `{}`)\n  control cost C {:.1}: tracking {:.1}, effort {:.1}, pose {:.1}\n",
-            robot.name,
-            posture,
-            control.cost(),
-            control.tracking,
-            control.effort,
-            control.pose
-        );
-        let _ = writeln!(
-            text,
-            "  tracking error {:.1} mm rms, {:.1} mm at most; limits active in {} of {steps} steps, configuration changed in {}",
-            1e3 * control.error_rms(steps),
-            1e3 * control.largest_error,
-            control.constrained_steps,
-            control.pose_changes
-        );
-        if control.least_clearance.is_finite() {
-            let _ = writeln!(
-                text,
-                "  base at least {:.3} m clear of obstacles{}",
-                control.least_clearance,
-                if control.overlapping_steps > 0 { ": it overlaps one, which this plant allows" } else { "" }
-            );
-        }
-        if let Some(interaction) = &self.summary().interaction {
-            let _ = writeln!(
-                text,
-                "  the human's force on the object: mean {:.1} N, rms {:.1} N; neither grip exceeds {:.0} N or gives way by more than {:.1} cm",
-                interaction.mean_force(),
-                interaction.rms_force(),
-                interaction.peak_force,
-                100.0 * interaction.deflection
-            );
-            let _ = writeln!(
-                text,
-                "  the arm's motors exert at most {:.0} % of their effort limits",
-                100.0 * interaction.effort_share
-            );
-        }
-        if control.fallback_steps > 0 {
-            let _ =
-                writeln!(text, "  eq. (7) had no solution in {} steps: see --ticks", control.fallback_steps);
-        }
-        text
-    }
-
-    /// Warnings about the episode.
-    fn episode_warnings(&self) -> Vec<String> {
-        let control =
-            self.summary().control.map(|control| (control.error_rms(self.summary().steps), control));
-        let off = control.filter(|(rms, _)| *rms >= GRASP_WARNING_RMS_M).map(|(rms, control)| {
-            format!(
-                "the grasp is {:.1} cm (rms), {:.1} cm at most, from its reference on the planned path: the robot does not keep up, \
-                 or the hand leaves the path",
-                100.0 * rms,
-                100.0 * control.largest_error
-            )
-        });
-        off.into_iter().chain(self.view().self_contact()).collect()
     }
 
     /// The events; none if no step was taken. In a resumed episode, earlier preference changes and the
@@ -279,7 +185,7 @@ impl EpisodeReport<'_> {
 
     pub fn as_json(&self) -> Value {
         let (world, scenario, settings) = (self.prepared.world(), self.prepared.scenario(), self.settings());
-        let warnings = [scenario_warnings(self.prepared), self.episode_warnings()].concat();
+        let warnings = [self.prepared.warnings(), self.view().warnings()].concat();
         let mut report = json!({
             "world": world.name,
             "file": world.file,

@@ -4,6 +4,10 @@ use super::output::Failure;
 use anyhow::anyhow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// The interval between two looks at the flag.
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// A flag that these signals set.
 pub(super) struct Interrupt(Arc<AtomicBool>);
@@ -28,6 +32,13 @@ impl Interrupt {
     /// The flag itself, for work that looks at it.
     pub fn flag(&self) -> &AtomicBool {
         &self.0
+    }
+
+    /// Waits for such a signal.
+    pub fn wait(&self) {
+        while !self.is_set() {
+            std::thread::sleep(POLL_INTERVAL);
+        }
     }
 
     /// Whether there was such a signal.

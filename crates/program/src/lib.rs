@@ -4,6 +4,7 @@ mod calibrate;
 mod catalog;
 mod catalog_robots;
 mod cluster;
+mod demo;
 mod episode_report;
 mod export;
 mod file_kind;
@@ -21,6 +22,7 @@ mod recover;
 mod regress;
 mod render;
 mod replay;
+mod replay_log;
 mod reproduce;
 mod robot;
 mod robot_check;
@@ -65,6 +67,7 @@ struct ProgramArguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     Run(Box<run::RunArguments>),
+    Demo(demo::DemoArguments),
     World(world::WorldArguments),
     Worlds(worlds::WorldsArguments),
     #[command(subcommand)]
@@ -102,6 +105,7 @@ enum RobotAction {
 fn after_help() -> String {
     let examples = output::examples(&[
         ("cocarry", "an episode, with defaults"),
+        ("cocarry demo", "a page in your browser, to watch, change and steer episodes"),
         ("cocarry run environment-4 --eta 5 --svg run.svg", "a sensitive human, with a picture"),
         ("cocarry run environment-4 --render run.html", "a 3-D player in one file, for any browser"),
         ("cocarry world free-form --svg map.svg", "obstacles, openings and options of a world"),
@@ -146,6 +150,7 @@ pub fn main_of(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let done = match arguments.command {
         None => run::example(),
         Some(Command::Run(arguments)) => run::run_episode(&arguments),
+        Some(Command::Demo(arguments)) => demo::run_demo(&arguments),
         Some(Command::World(arguments)) => world::run_world(&arguments),
         Some(Command::Worlds(arguments)) => worlds::run_worlds(&arguments),
         Some(Command::Robot(RobotAction::Check(arguments))) => robot_check::run_robot_check(&arguments),

@@ -1,23 +1,39 @@
-//! `cocarry replay`: runs a recording's scenario again and compares the messages.
+//! `cocarry replay`: runs the scenario of a recording, or of a log from the page, again, and compares.
 
-use super::output::{Failure, counted, examples, input, print_verdict};
+use super::output::{Failure, OverwriteArguments, counted, examples, input, mcap_file, print_verdict};
+use super::replay_log::run_log;
+use anyhow::anyhow;
 use clap::Args;
 use cocarry::arithmetic;
 use cocarry_recording::recording::{Reader, Verdict, replay};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Run the scenario of a recording again, and compare every message
+/// Run the scenario of a recording again, and compare every message; or that of a log from the page of `cocarry
+/// demo`, and compare the digests of its state
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
     ("cocarry replay run.mcap", "runs the episode again, and compares every message"),
+    ("cocarry replay carry.json --record carry.mcap", "an episode that you steered in the page, as a recording"),
 ]))]
 pub(super) struct ReplayArguments {
-    /// Recording (MCAP)
-    file: PathBuf,
+    /// Recording (MCAP), or log of an episode from the page (JSON)
+    pub file: PathBuf,
+    /// Record the episode of a log into this MCAP file
+    #[arg(long, value_name = "FILE", value_parser = mcap_file)]
+    pub record: Option<PathBuf>,
+    #[command(flatten)]
+    pub overwrite: OverwriteArguments,
 }
 
 pub(super) fn run_replay(arguments: &ReplayArguments) -> Result<ExitCode, Failure> {
+    if arguments.file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
+        return run_log(arguments);
+    }
+    if arguments.record.is_some() {
+        let file = arguments.file.display();
+        return Err(input(anyhow!("--record: {file} is a recording already; --record is for logs (.json)")));
+    }
     let open = || Reader::open(&arguments.file).map_err(input);
     let replayed = replay(open()?, open()?).map_err(input)?;
     let file = arguments.file.display();

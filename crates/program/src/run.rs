@@ -1,6 +1,6 @@
 //! `cocarry run`: runs one episode and reports, tabulates, draws or records it.
 
-use super::episode_report::{EpisodeReport, scenario_warnings};
+use super::episode_report::EpisodeReport;
 use super::interrupt::Interrupt;
 use super::live::LiveArguments;
 use super::output::{
@@ -110,7 +110,7 @@ fn carry_out(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     let resumed = state.as_ref().map(State::steps);
     let refused = |error| arguments.snapshots.refused(error);
     let prepared = with_spinner("preparing the world", || scenario.prepare()).map_err(refused)?;
-    scenario_warnings(&prepared).iter().for_each(warn);
+    prepared.warnings().iter().for_each(warn);
     let episode = match state {
         None => prepared.episode(),
         Some(state) => prepared.resume(state),

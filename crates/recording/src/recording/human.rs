@@ -6,57 +6,15 @@
 use super::frames::{HUMAN, WORLD, transform};
 use super::shapes::{Shapes, moving, rgba};
 use cocarry::geometry::Pose;
+use cocarry_output::figure::{
+    ANKLE, FOREARM, GRIP, HIP, HIP_HALF, LIMBS, REACH, SHIN, SHOULDER, STANCE, STRIDE, THIGH, UPPER_ARM,
+};
 use cocarry_output::palette;
 use foxglove::messages::{FrameTransform, Quaternion, SceneEntity};
 use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
-use serde_json::{Value, json};
 
-// Lengths in m. The body is as tall as the torso of the simulation, 1.7 m.
-const HIP: f64 = 0.85;
-const HIP_HALF: f64 = 0.095;
-const THIGH: f64 = 0.43;
-const SHIN: f64 = 0.42;
-const ANKLE: f64 = 0.075;
-const SHOULDER: [f64; 3] = [-0.06, 0.175, 1.36];
-const UPPER_ARM: f64 = 0.36;
-const FOREARM: f64 = 0.38;
-/// A stride is two steps.
-const STRIDE: f64 = 0.96;
-/// A foot is on the floor for this part of a stride.
-const STANCE: f64 = 0.62;
-/// The largest distance of a hand from the middle of the object's end, and the distance of a hand from the
-/// wood.
-const REACH: f64 = 0.28;
-const GRIP: f64 = 0.012;
 /// Coordinates are whole multiples of this, m; so they need few bytes.
 const GRID: f64 = 1.0 / 8192.0;
-
-/// The limbs of a side that move: name, radius at either end, length, colour.
-const LIMBS: [(&str, [f64; 2], f64, [u8; 3]); 4] = [
-    ("thigh", [0.088, 0.064], THIGH, palette::TROUSERS),
-    ("shin", [0.062, 0.047], SHIN, palette::TROUSERS),
-    ("upper_arm", [0.066, 0.052], UPPER_ARM, palette::HUMAN),
-    ("forearm", [0.043, 0.035], FOREARM, palette::SKIN),
-];
-
-/// The measures of the figure, for the 3-D player: hip and shoulder of the left side from the floor below the
-/// torso, the stride and the share of it in which a foot is on the floor, and every limb. The player's gait
-/// differs: it knows the whole way, and plants the feet on it.
-pub(crate) fn measures() -> Value {
-    let mut measures = json!({
-        "hip_m": [0.0, HIP_HALF, HIP],
-        "shoulder_m": SHOULDER,
-        "ankle_m": ANKLE,
-        "stride_m": STRIDE,
-        "stance_share": STANCE,
-        "reach_m": REACH,
-        "grip_m": GRIP,
-    });
-    for (name, radii, length, _) in LIMBS {
-        measures[name] = json!({ "radii_m": radii, "length_m": length });
-    }
-    measures
-}
 
 /// The state that the figure shows.
 pub(super) struct Stance {

@@ -70,13 +70,12 @@ mod table;
 
 pub use channel::{Channel, Message};
 pub use contents::{ChannelContents, Contents};
-pub use decisions::{DECISIONS, Decisions, PolicyLog};
+pub use decisions::DECISIONS;
 pub use decode::{decode, flatten};
 pub use difference::Difference;
 pub use encoder::Encoder;
 pub use ending::Ending;
 pub use error::{ReadError, RecordingError};
-pub(crate) use human::measures as human_measures;
 #[cfg(feature = "live")]
 pub use live::{LiveError, LiveServer};
 pub use overview::{FIELD_OF_VIEW_DEG, Overview};

@@ -2,10 +2,10 @@
 //! the JSON messages of every step, and the events as the recording words them.
 
 use super::frames::{HAND, HUMAN, OBJECT, TORSO, WORLD, link_frame};
-use super::motion::{Bodies, torso_ahead_of};
 use super::{Channel, ReadError, Reader, decode, scenario};
 use cocarry::geometry::{PlanarPose, Point, Pose};
 use cocarry::scenario::PreparedScenario;
+use cocarry_output::bodies::{Bodies, torso_ahead_of};
 use nalgebra::{Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
 use serde_json::Value;
 use std::collections::BTreeMap;

@@ -1,14 +1,14 @@
 //! Recorders of running episodes.
 
 use super::channel::{Channel, Message};
-use super::decisions::Decisions;
+use super::decisions;
 use super::encoder::Encoder;
 use super::ending::Ending;
 use super::file::MessageFile;
 use super::provenance::{METADATA, Provenance};
 use super::{Definition, RecordingError};
 use cocarry::episode::Episode;
-use cocarry::scenario::PreparedScenario;
+use cocarry::scenario::{Decisions, PreparedScenario};
 use cocarry_output::output_file::OutputFile;
 use std::collections::BTreeMap;
 use std::io::{Seek, Write};
@@ -96,7 +96,7 @@ impl<'a, W: Write + Seek> Recorder<'a, W> {
     /// [`RecordingError::Write`].
     pub fn finish(mut self, episode: &Episode, ending: Ending) -> Result<W, RecordingError> {
         let written = write(&mut self.file, &self.channels, self.encoder.end(episode, ending));
-        let attached = self.decisions.attachment();
+        let attached = decisions::attachment(&self.decisions);
         let written =
             written.and_then(|()| attached.map_or(Ok(()), |decisions| self.file.attach(&decisions)));
         let finished = written.and_then(|()| self.file.finish());

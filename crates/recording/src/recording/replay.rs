@@ -1,13 +1,13 @@
 //! Replays: the scenario of a recording is run again and compared message by message.
 
-use super::decisions::{DECISIONS, Decisions};
+use super::decisions::{self, DECISIONS};
 use super::encoder::Encoder;
 use super::ending::Ending;
 use super::provenance::{ARITHMETIC, METADATA, RECOVERED, scenario};
 use super::{Channel, Difference, Entry, Message, ReadError, Reader, decode};
 use cocarry::episode::Episode;
 use cocarry::robot::Robot;
-use cocarry::scenario::Scenario;
+use cocarry::scenario::{Decisions, Scenario};
 use std::io::Read;
 
 /// The result of a replay.
@@ -128,7 +128,7 @@ fn known<R: Read>(reader: &mut Reader<R>) -> Result<Known, ReadError> {
         }
     }
     if let Some(log) = log {
-        known.decisions = Decisions::read(reader, &log)?;
+        known.decisions = decisions::read(reader, &log)?;
     }
     Ok(known)
 }

@@ -1,9 +1,10 @@
 //! A page that shows a robot in its postures: the 3-D player without an episode.
 
-use super::player::{Meshes, colours, filled, pose, shape, shapes};
+use super::player::filled;
 use cocarry::Error;
 use cocarry::geometry::{Footprint, PlanarPose, Point};
 use cocarry::robot::{ArmJoint, Configuration, Geometry, JointVector, Motion, Robot, Shape};
+use cocarry_output::player::{Meshes, colours, pose, read_mesh, shape, shapes};
 use serde_json::{Value, json};
 
 /// How long the robot stands in a posture, and how long it takes to the next one, s.
@@ -18,8 +19,7 @@ const BETWEEN: u32 = 24;
 /// # Errors
 /// A mesh cannot be read.
 pub fn robot_page(robot: &Robot, about: &str, remarks: &[String]) -> Result<String, Error> {
-    let mut meshes = Meshes::default();
-    meshes.can_be_found = true;
+    let mut meshes = Meshes::new(Some(&read_mesh));
     let mut links = Vec::new();
     for link in &robot.links {
         links.push(json!({
@@ -53,7 +53,7 @@ pub fn robot_page(robot: &Robot, about: &str, remarks: &[String]) -> Result<Stri
         "colours": colours(),
         "options": [],
         "robot": links,
-        "meshes": meshes.data,
+        "meshes": meshes.data(),
         "frames": {
             "time_s": times,
             "links": (0..robot.links.len()).map(of_link).collect::<Vec<_>>(),
@@ -115,6 +115,6 @@ fn collision(geometry: &Geometry) -> Option<Value> {
             "pose": pose(&geometry.link_from_shape),
         })),
         // reads no file
-        _ => shape(geometry, &mut Meshes::default()).ok(),
+        _ => shape(geometry, &mut Meshes::new(None)).ok(),
     }
 }

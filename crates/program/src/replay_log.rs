@@ -1,0 +1,89 @@
+//! `cocarry replay LOG.json`: runs the episode of a log from the page again, and compares the digests of its state.
+
+use super::output::{Failure, counted, input, print_verdict};
+use super::record::output;
+use super::replay::ReplayArguments;
+use anyhow::Context;
+use cocarry::arithmetic;
+use cocarry::episode::{Episode, Outcome};
+use cocarry::scenario::{EpisodeLog, PreparedScenario};
+use cocarry::{bounds, located};
+use cocarry_recording::recording::{Ending, FileRecorder};
+use std::path::Path;
+use std::process::ExitCode;
+
+pub(super) fn run_log(arguments: &ReplayArguments) -> Result<ExitCode, Failure> {
+    let name = arguments.file.display().to_string();
+    arguments.overwrite.outputs([arguments.file.as_path()], &arguments.record)?;
+    let log = load(&arguments.file).map_err(Failure::Input)?;
+    let prepared = log.checked(&name).and_then(|scenario| scenario.prepare()).map_err(input)?;
+    let partners = log.decisions.clone().partners(&prepared);
+    let mut episode = prepared.episode_of(partners).map_err(input)?;
+    let overwrite = arguments.overwrite.overwrite;
+    let recorder = arguments.record.as_ref().map(|file| {
+        let recorder = FileRecorder::create(file, overwrite, &prepared, &episode).map_err(output)?;
+        Ok::<_, Failure>(recorder.logging(log.decisions.begun()))
+    });
+    let mut recorder = recorder.transpose()?;
+    let mut difference = None;
+    let mut digests = log.digests.iter().peekable();
+    let mut same = 0_u64;
+    while episode.summary().steps < log.steps && difference.is_none() && episode.step().is_none() {
+        if let Some(recorder) = &mut recorder {
+            recorder.step(&episode).map_err(output)?;
+        }
+        let steps = episode.summary().steps;
+        while let Some((_, logged)) = digests.next_if(|(at, _)| *at <= steps) {
+            let digest = format!("{:016x}", episode.state().digest());
+            match *logged == digest {
+                true => same += 1,
+                false => difference = Some(format!("logged {logged}, run again {digest}")),
+            }
+        }
+    }
+    let outcome = episode.ended();
+    if let Some(recorder) = recorder {
+        recorder.finish(&episode, outcome.map_or(Ending::Interrupted, Ending::Over)).map_err(output)?;
+    }
+    let difference = difference.or_else(|| ends_otherwise(&log, &episode, outcome));
+    let ours = arithmetic::stamp();
+    let other = match &*log.arithmetic {
+        theirs if theirs.is_empty() || theirs == ours => String::new(),
+        theirs => format!(
+            "logged with arithmetic {theirs}, run again with {ours}: the last bits of their results differ\n"
+        ),
+    };
+    let so_far = format!("{}, up to {:.1} s", counted(same, "digest"), seconds(&prepared, &episode));
+    match difference {
+        None => print_verdict(&format!("{name}: identical: {so_far}\n{other}"), true)?,
+        Some(difference) => {
+            let text = format!(
+                "{name}: differs after {}: {difference}\nidentical before that: {so_far}\n{other}",
+                counted(episode.summary().steps, "step")
+            );
+            print_verdict(&text, false)?;
+            return Ok(ExitCode::from(1));
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// How the end is another one than the log's, if it is.
+fn ends_otherwise(log: &EpisodeLog, episode: &Episode, outcome: Option<Outcome>) -> Option<String> {
+    let (steps, outcome) = (episode.summary().steps, outcome.map(Outcome::name));
+    let words = |outcome: Option<&str>| outcome.unwrap_or("not over").to_owned();
+    let logged = log.outcome.as_deref();
+    (steps != log.steps || logged != outcome).then(|| {
+        format!("logged {} steps, {}; run again {steps} steps, {}", log.steps, words(logged), words(outcome))
+    })
+}
+
+fn seconds(prepared: &PreparedScenario, episode: &Episode) -> f64 {
+    episode.summary().steps as f64 * prepared.scenario().settings.planning_step
+}
+
+fn load(file: &Path) -> anyhow::Result<EpisodeLog> {
+    let name = || file.display().to_string();
+    let bytes = located::read_bytes(&bounds::DECISIONS, file).with_context(name)?;
+    serde_json::from_slice(&bytes).context("not a log of an episode").with_context(name)
+}

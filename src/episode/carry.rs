@@ -1,0 +1,171 @@
+//! How a step is carried out: everybody moves, one control period at a time.
+
+use super::outcome::Done;
+use super::robot_tick::{Period, RobotTick};
+use super::step::Begun;
+use super::{Episode, Tick};
+use crate::controller::Way;
+use crate::geometry::Point;
+use crate::policy::Decision;
+use crate::preference::subjective_cost;
+use crate::team::Step;
+
+/// A step that is being carried out.
+#[derive(Clone, Debug)]
+pub(super) struct Carried {
+    pub begun: Begun,
+    lead: Decision,
+    executed: usize,
+    reverses_for: Option<usize>,
+    /// Position along the path (m), position (m) and heading (rad) of the team at the beginning, and what the
+    /// plant showed as its position.
+    from: f64,
+    position: Point,
+    heading: f64,
+    seen_at: Point,
+    /// Control periods done, and their number.
+    pub periods: [u32; 2],
+    robot: Option<RobotTick>,
+    walked: f64,
+}
+
+impl Episode<'_> {
+    /// Takes up the decision of the robot's policy in a step that has begun; then [`Episode::carry_period`]
+    /// moves everybody. In place of [`Episode::finish_step`], for callers who look, or steer the hand, between
+    /// control periods. Without a first part nothing happens.
+    pub fn lead_step(&mut self, lead: &Decision) {
+        let now = self.now();
+        let Some(begun) = self.begun.take() else { return };
+        let (executed, reverses_for) = self.execute(now, &begun.human, lead);
+        let (from, position) = (self.route.along, self.progress.position);
+        let heading = self.route.path.heading_at(from).unwrap_or(self.tick.heading);
+        let seen_at = self.plant.observe().position;
+        let count = self.settings.control_periods().expect("a scenario's check has refused other periods");
+        self.plant.begin();
+        self.carried = Some(Carried {
+            begun,
+            lead: *lead,
+            executed,
+            reverses_for,
+            from,
+            position,
+            heading,
+            seen_at,
+            periods: [0, count],
+            robot: None,
+            walked: 0.0,
+        });
+    }
+
+    /// Moves everybody by one control period of a step that has its [decision](Episode::lead_step). Returns
+    /// whether the step goes on: after its last period it is over, and this returns false. Without such a step
+    /// nothing happens.
+    pub fn carry_period(&mut self) -> bool {
+        let Some(mut carried) = self.carried.take() else { return false };
+        let (moved, tick) = self.carry_one_period(&carried.begun, &carried.lead, carried.periods);
+        carried.walked += moved;
+        carried.robot = match (carried.robot, tick) {
+            (Some(before), Some(tick)) => Some(before.and(&tick)),
+            (_, tick) => tick,
+        };
+        carried.periods[0] += 1;
+        let goes_on = carried.periods[0] < carried.periods[1];
+        match goes_on {
+            true => self.carried = Some(carried),
+            false => self.end_step(carried),
+        }
+        goes_on
+    }
+
+    /// The control periods done in the present step, and their number; zeros between steps.
+    pub fn periods(&self) -> [u32; 2] {
+        self.carried.as_ref().map_or([0; 2], |carried| carried.periods)
+    }
+
+    /// The end of a step, after its last control period.
+    fn end_step(&mut self, carried: Carried) {
+        let now = self.now();
+        let Carried { begun, lead, executed, reverses_for, from, position, heading, seen_at, .. } = carried;
+        let Carried { periods: [_, count], robot, walked, .. } = carried;
+        let robot = robot.map(|robot| robot.mean_of(count));
+        let Begun { mut evaluated, mut predicted, human, .. } = begun;
+        let objective_cost = evaluated.costs[executed].objective;
+        let tick = Tick {
+            step: now.step,
+            time: now.time,
+            position,
+            heading,
+            mode: lead.mode(),
+            stubbornness: human.stubbornness,
+            discomfort: human.discomfort,
+            executed,
+            preferred: human.option,
+            reverses_for,
+            objective_cost,
+            accumulated_cost: self.summary.accumulated_cost + objective_cost,
+            options: std::mem::take(predicted.options()),
+            robot,
+        };
+        let (prospect, risk_weight) = (evaluated.prospects[executed], self.predictor.risk_weight());
+        self.summary.add(&Done {
+            tick: &tick,
+            before: (now.step > 0).then_some(&self.tick),
+            subjective_cost: human.perception.map(|own| subjective_cost(prospect, risk_weight, own)),
+            has_changed: self.human.change(now.step).is_some(),
+            walked,
+            bodies: self.plant.observe().bodies,
+            ignores_loss: self.ignores_loss,
+        });
+        // a hand that is steered need not go along the path
+        let moved = human.hand.map_or(0.0, |_| (self.plant.observe().position - seen_at).norm());
+        let came_on = (self.route.along - from).abs().max(moved);
+        let came_on = came_on > 0.1 * self.settings.speed * self.settings.planning_step;
+        self.steps_without_progress = if came_on { 0 } else { self.steps_without_progress + 1 };
+        self.decided = Some((human, lead));
+        // memory for the next step
+        *predicted.options() = std::mem::replace(&mut self.tick, tick).options;
+        std::mem::swap(&mut self.prospects, &mut evaluated.prospects);
+        std::mem::swap(&mut self.ways, &mut evaluated.ways);
+        self.memory = (evaluated, predicted);
+    }
+
+    fn carry_one_period(
+        &mut self,
+        begun: &Begun,
+        lead: &Decision,
+        period: [u32; 2],
+    ) -> (f64, Option<RobotTick>) {
+        let (mode, stance) = (lead.mode(), begun.human.stance);
+        let to = self.to(mode, stance);
+        let (position, hand) = (self.point_at(to), self.hand(&begun.human, period));
+        let (options, progress) = (self.options, &self.progress);
+        let (path, from, travel) = (&self.route.path, self.route.along, self.route.travel);
+        let step = Step { mode, travel, stance, hand, path, from, to, position };
+        let seen = self.plant.observe();
+        let way = Way {
+            mode,
+            motion: &lead.motion,
+            options,
+            progress,
+            path,
+            along: from,
+            travel,
+            walk: self.walk.as_ref(),
+            period,
+        };
+        let command = self.controller.command(&seen, &way, &begun.predicted.robots().choice);
+        let goal = self.walk.grasp_goal(&seen);
+        let begin = seen.configuration.map(|configuration| (*configuration, goal));
+        let human = self.walk.advance(&step, &seen);
+        self.plant.step(&command, &human, self.settings.control_period());
+        let seen = self.plant.observe();
+        let place = self.walk.locate(&step, &seen);
+        let goal = self.walk.grasp_goal(&seen);
+        let robot = self.manipulator.zip(begin).map(|(manipulator, begin)| {
+            let intended = self.walk.intended_grasp(&step, &seen);
+            let period = Period { begin, end: seen, goal, intended, place };
+            RobotTick::of(&manipulator, &command, &period, &mut self.body_poses)
+        });
+        (self.come_to(place.along), robot)
+    }
+}

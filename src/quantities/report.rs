@@ -1,0 +1,94 @@
+//! The report of an episode in sentences, for `cocarry run` and the page.
+
+use super::View;
+use crate::episode::{ControlSummary, GRASP_WARNING_RMS_M, HumanSummary};
+use crate::robot::Robot;
+use std::fmt::Write;
+
+impl View<'_> {
+    /// What the episode came to: costs, the human's part, and the robot's, in indented lines.
+    pub fn conclusion(&self) -> String {
+        let summary = self.episode.summary();
+        let mut text = format!("  accumulated objective cost {:.2} m\n", summary.accumulated_cost);
+        let HumanSummary { stubbornness, discomfort, subjective_cost, .. } = summary.human;
+        let _ = writeln!(
+            text,
+            "  human: final phi {stubbornness:.3}, discomfort g {discomfort:.2}; spent {:.0} % of the steps on an option they did not prefer; \
+             accumulated subjective cost {subjective_cost:.2}",
+            100.0 * summary.human.share_off_preference(summary.steps)
+        );
+        if let (Some((robot, setup)), Some(control)) =
+            (self.prepared.robot().zip(self.prepared.scenario().plant.robot_setup()), &summary.control)
+        {
+            text += &self.control_text(robot, &setup.posture, control);
+        }
+        text
+    }
+
+    fn control_text(&self, robot: &Robot, posture: &str, control: &ControlSummary) -> String {
+        let steps = self.episode.summary().steps;
+        let mut text = format!(
+            "\nThe robot ({}, starting from `{}`)\n  control cost C {:.1}: tracking {:.1}, effort {:.1}, pose {:.1}\n",
+            robot.name,
+            posture,
+            control.cost(),
+            control.tracking,
+            control.effort,
+            control.pose
+        );
+        let _ = writeln!(
+            text,
+            "  tracking error {:.1} mm rms, {:.1} mm at most; limits active in {} of {steps} steps, configuration changed in {}",
+            1e3 * control.error_rms(steps),
+            1e3 * control.largest_error,
+            control.constrained_steps,
+            control.pose_changes
+        );
+        if control.least_clearance.is_finite() {
+            let _ = writeln!(
+                text,
+                "  base at least {:.3} m clear of obstacles{}",
+                control.least_clearance,
+                if control.overlapping_steps > 0 { ": it overlaps one, which this plant allows" } else { "" }
+            );
+        }
+        if let Some(interaction) = &self.episode.summary().interaction {
+            let _ = writeln!(
+                text,
+                "  the human's force on the object: mean {:.1} N, rms {:.1} N; neither grip exceeds {:.0} N or gives way by more than {:.1} cm",
+                interaction.mean_force(),
+                interaction.rms_force(),
+                interaction.peak_force,
+                100.0 * interaction.deflection
+            );
+            let _ = writeln!(
+                text,
+                "  the arm's motors exert at most {:.0} % of their effort limits",
+                100.0 * interaction.effort_share
+            );
+        }
+        if control.fallback_steps > 0 {
+            let _ =
+                writeln!(text, "  eq. (7) had no solution in {} steps: see --ticks", control.fallback_steps);
+        }
+        text
+    }
+
+    /// Warnings about the episode: a grasp far from its reference, and a robot that touched itself.
+    pub fn warnings(&self) -> Vec<String> {
+        let control = self
+            .episode
+            .summary()
+            .control
+            .map(|control| (control.error_rms(self.episode.summary().steps), control));
+        let off = control.filter(|(rms, _)| *rms >= GRASP_WARNING_RMS_M).map(|(rms, control)| {
+            format!(
+                "the grasp is {:.1} cm (rms), {:.1} cm at most, from its reference on the planned path: the robot does not keep up, \
+                 or the hand leaves the path",
+                100.0 * rms,
+                100.0 * control.largest_error
+            )
+        });
+        off.into_iter().chain(self.self_contact()).collect()
+    }
+}
