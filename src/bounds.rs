@@ -48,7 +48,7 @@ impl FileBounds {
 use Length::{AtMost, For};
 
 /// A world.
-pub const WORLD: FileBounds = FileBounds::new("world (TOML)", AtMost(4 << 20), 1500, 60);
+pub const WORLD: FileBounds = FileBounds::new("world (TOML)", AtMost(4 << 20), 1500, 600);
 /// A file of settings.
 pub const SETTINGS: FileBounds =
     FileBounds::new("robot file, study, baseline (TOML)", AtMost(1 << 20), 1000, 60);

@@ -161,6 +161,23 @@ fn a_recording_unpacks_to_a_bounded_length() {
     let said = String::from_utf8(output.stdout).unwrap();
     assert!(said.contains("an attachment at byte 8: it is in a chunk, where only schemas"), "{said}");
     assert!(written() < 10_000, "{}", written());
+    // texts and maps that claim to be longer than their records
+    let claim = u32::MAX.to_le_bytes();
+    let map = [&text("a")[..], &8_u32.to_le_bytes(), &claim, &claim].concat();
+    for (opcode, body, what) in [
+        (12, [&claim[..], b"abc"].concat(), "a metadata record"),
+        (12, [&text("a")[..], &claim].concat(), "a metadata record"),
+        (12, map.clone(), "a metadata record"),
+        (3, [&[1, 0][..], &text("a"), &text("b"), &claim].concat(), "a schema"),
+        (4, [&[1, 0, 0, 0][..], &claim].concat(), "a channel"),
+        (4, [&[1, 0, 0, 0][..], &text("/t"), &text("json"), &map[5..]].concat(), "a channel"),
+        (6, [&[0; 28][..], &claim].concat(), "a chunk"),
+        (6, [&[0; 28][..], &text(""), &[0xff; 8]].concat(), "a chunk"),
+    ] {
+        std::fs::write(folder.path().join("claims.mcap"), [MAGIC, &record(opcode, &body)].concat()).unwrap();
+        let said = refused(400, folder.path(), "inspect claims.mcap");
+        assert!(said.contains(&format!("{what} at byte 8: its fields exceed its length")), "{said}");
+    }
     // an attachment that is too short for its fields
     std::fs::write(folder.path().join("short.mcap"), [MAGIC, &record(9, &[0; 34])].concat()).unwrap();
     let said = refused(400, folder.path(), "inspect short.mcap");

@@ -6,7 +6,7 @@
 //! file so far and 1 MiB.
 
 use super::ReadError;
-use super::records::{Attachment, has_attachment_fields, record_name};
+use super::records::{Attachment, has_its_fields, record_name};
 use super::schema::{Definition, SchemaText};
 use cocarry::located;
 use mcap::records::{Record, op};
@@ -292,8 +292,7 @@ impl<R: Read> Reader<R> {
             let why = "it is in a chunk, where only schemas, channels and messages may be";
             return Err(self.damaged(opcode, why.to_owned()));
         }
-        // the crate's parser panics on a short attachment
-        if opcode == op::ATTACHMENT && !has_attachment_fields(body) {
+        if !has_its_fields(opcode, body) {
             return Err(self.damaged(opcode, SHORT.to_owned()));
         }
         let record = parse_record(opcode, body).map_err(|error| self.damaged(opcode, words(&error)))?;
@@ -387,6 +386,9 @@ impl<R: Read> Reader<R> {
 fn unpack(body: &[u8], allowed: u64, file: &str, offset: u64) -> Result<Vec<u8>, ReadError> {
     let damaged =
         |why| ReadError::Damaged { file: file.to_owned(), offset, what: record_name(op::CHUNK), why };
+    if !has_its_fields(op::CHUNK, body) {
+        return Err(damaged(SHORT.to_owned()));
+    }
     let (header, packed) = match parse_record(op::CHUNK, body) {
         Ok(Record::Chunk { header, data }) => (header, data),
         Ok(_) => return Err(damaged(SHORT.to_owned())),

@@ -29,12 +29,61 @@ pub(super) fn record_name(opcode: u8) -> &'static str {
     }
 }
 
-/// Whether an attachment is long enough for its fields without contents: two times, name, media type, length,
-/// checksum.
-pub(super) fn has_attachment_fields(body: &[u8]) -> bool {
-    let text_end = |begin: usize| {
-        let length = body.get(begin..)?.get(..4)?.try_into().ok()?;
-        (begin + 4).checked_add(usize::try_from(u32::from_le_bytes(length)).ok()?)
+/// Whether the texts, maps and contents of a record fit into it. The crate's parser takes memory for the
+/// lengths that they claim, and panics on a short attachment.
+pub(super) fn has_its_fields(opcode: u8, body: &[u8]) -> bool {
+    let mut fields = Fields(body);
+    let read = match opcode {
+        op::SCHEMA => fields.skip(2).and_then(|()| fields.texts(3)),
+        op::CHANNEL => fields.skip(4).and_then(|()| fields.texts(2)).and_then(|()| fields.map()),
+        op::METADATA => fields.texts(1).and_then(|()| fields.map()),
+        // two times, lengths and checksum; the compression, the records
+        op::CHUNK => fields.skip(28).and_then(|()| fields.texts(1)).and_then(|()| fields.contents()),
+        // two times; name and media type, the file, its checksum
+        op::ATTACHMENT => {
+            let file = fields.skip(16).and_then(|()| fields.texts(2)).and_then(|()| fields.contents());
+            file.and_then(|()| fields.skip(4))
+        }
+        _ => Some(()),
     };
-    text_end(16).and_then(text_end).is_some_and(|end| body.len() >= end.saturating_add(12))
+    read.is_some()
+}
+
+/// The bytes of a record that are not looked at yet.
+struct Fields<'a>(&'a [u8]);
+
+impl Fields<'_> {
+    fn skip(&mut self, count: usize) -> Option<()> {
+        self.0 = self.0.get(count..)?;
+        Some(())
+    }
+
+    fn length(&mut self) -> Option<usize> {
+        let (length, rest) = self.0.split_first_chunk()?;
+        self.0 = rest;
+        usize::try_from(u32::from_le_bytes(*length)).ok()
+    }
+
+    fn texts(&mut self, count: usize) -> Option<()> {
+        (0..count).try_for_each(|_| {
+            let length = self.length()?;
+            self.skip(length)
+        })
+    }
+
+    fn map(&mut self) -> Option<()> {
+        let length = self.length()?;
+        let mut entries = Fields(self.0.get(..length)?);
+        while !entries.0.is_empty() {
+            entries.texts(2)?;
+        }
+        self.skip(length)
+    }
+
+    /// Bytes behind a length of 8 bytes.
+    fn contents(&mut self) -> Option<()> {
+        let (length, rest) = self.0.split_first_chunk()?;
+        self.0 = rest;
+        self.skip(usize::try_from(u64::from_le_bytes(*length)).ok()?)
+    }
 }
