@@ -43,7 +43,7 @@ impl<'a> InTandem<'a> {
     /// multiple of 10 degrees from which it can turn onto the path. A world may give the heading.
     ///
     /// # Errors
-    /// [`ErrorKind::World`]: the robot or the human has no room at any heading.
+    /// [`ErrorKind::World`](crate::error::ErrorKind::World): the robot or the human has no room at any heading.
     pub fn starting(
         surroundings: Surroundings<'a, '_>,
         first: &Path,

@@ -27,7 +27,7 @@ pub(super) fn worlds(bench: Bench) {
     for text in [
         bench.filled(&world, "# x\n"),
         bench.filled(&(world.clone() + &obstacles(1, 2000)), "# x\n"),
-        bench.filled(&(world.clone() + &obstacles(1000, 20)), "\n"),
+        bench.filled(&(world.clone() + &obstacles(200, 20)), "\n"),
     ] {
         bench.write("w.toml", &text);
         bench.reads("world w.toml");
