@@ -4,7 +4,7 @@ import { BEGIN } from "./choices.js";
 
 const NUMBERS = { alpha: [0, 1e3], gamma: [0, 1e3], eta: [0, 1e6], stubbornness: [0, 1], rationality: [0, 1e3], seed: [0, 2 ** 53], period: [0, 60] };
 const WORDS = ["world", "robot", "plant", "human", "method", "belief"];
-const VIEWS = ["camera", "play"];
+const VIEWS = ["camera", "play", "embed"];
 const YES = "1";
 // What a link may have, and what it may unpack to, characters: decisions of half an hour have less.
 const MAX_LINK = 1 << 18, MAX_TEXT = 4 << 20;
