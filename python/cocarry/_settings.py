@@ -75,6 +75,9 @@ class Settings(TypedDict, total=False):
     method: Literal['mutual', 'without-model', 'human-led', 'robot-led', 'follow-hand']
     """Method: who leads, and on which option. Default: mutual."""
 
+    lead_option: int
+    """Option on which the robot leads, by its number in `cocarry world` [default: the best by eq. (6)]."""
+
     pose: Literal['none', 'arm', 'whole-body']
     """Configurations that pose optimisation chooses among while the human leads. Default: arm."""
 

@@ -253,14 +253,7 @@ impl Episode<'_> {
         let human = std::mem::replace(&mut self.human, copy);
         let begun = self.begin(now);
         self.human = human;
-        let seen = view(
-            now,
-            self.settings.planning_step,
-            &begun,
-            self.options,
-            &self.progress,
-            self.plant.observe(),
-        );
+        let seen = view(now, self.settings, &begun, self.options, &self.progress, self.plant.observe());
         let lead = self.policy.clone().decide(&seen);
         let option = self.option(now, &begun.human, &lead);
         self.options.path_passing(&self.progress, option, passing).unwrap_or_default()

@@ -17,6 +17,10 @@ pub struct Settings {
     pub coordination: coordination::Settings,
     /// The method of deciding who leads.
     pub method: Method,
+    /// Number of the option on which the robot leads, from 1, whatever the human does: that of a stimulus. By
+    /// default o* of eq. (6).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lead_option: Option<u64>,
     /// Planning step k, s: phi, g, J and sightings of the human count in it. Texts have it under the key of
     /// before.
     #[serde(rename = "period_s", alias = "planning_step_s")]
@@ -48,6 +52,7 @@ impl Default for Settings {
             predictor: Predictor::default(),
             coordination: coordination::Settings::default(),
             method: Method::MUTUAL,
+            lead_option: None,
             planning_step: 0.2,
             control_period: None,
             speed: 0.5,

@@ -1,9 +1,9 @@
 //! The views of the human and of the robot's policy in a step, and their decisions.
 
-use super::Episode;
 use super::evaluated::{Evaluated, Prediction};
 use super::now::Now;
 use super::step::Begun;
+use super::{Episode, Settings};
 use crate::human::{HumanDecision, HumanView};
 use crate::options::{OptionSet, Progress};
 use crate::plant::Seen;
@@ -34,23 +34,28 @@ impl Episode<'_> {
     pub fn robot_view(&self) -> Option<RobotView<'_>> {
         let carried = self.carried.as_ref().map(|carried| &carried.begun);
         let begun = self.begun.as_ref().or(carried)?;
-        let step = self.settings.planning_step;
-        Some(view(self.now(), step, begun, self.options, &self.progress, self.plant.observe()))
+        Some(view(self.now(), self.settings, begun, self.options, &self.progress, self.plant.observe()))
     }
 
     /// The decision of the episode's policy in a step that has begun; between steps, to follow.
     pub fn ask_policy(&mut self) -> Decision {
         let now = self.now();
         let Some(begun) = &self.begun else { return Decision::follow() };
-        let step = self.settings.planning_step;
-        self.policy.decide(&view(now, step, begun, self.options, &self.progress, self.plant.observe()))
+        self.policy.decide(&view(
+            now,
+            self.settings,
+            begun,
+            self.options,
+            &self.progress,
+            self.plant.observe(),
+        ))
     }
 }
 
 /// The robot's view in a step.
 pub(super) fn view<'v>(
     now: Now,
-    planning_step: f64,
+    settings: &Settings,
     begun: &'v Begun,
     options: &'v OptionSet,
     progress: &'v Progress,
@@ -61,11 +66,12 @@ pub(super) fn view<'v>(
     RobotView {
         step,
         time,
-        planning_step,
+        planning_step: settings.planning_step,
         position: progress.position,
         options,
         progress,
         evaluated: &begun.predicted.robots().options,
+        prescribed: settings.lead_option.map(|number| number as usize - 1),
         executed,
         mode,
         stance: begun.human.stance,

@@ -76,6 +76,8 @@ pub struct RobotView<'a> {
     pub progress: &'a Progress,
     /// D_o, S_o, J_o, P_o, J~_o and omega_o, in the order of the options.
     pub evaluated: &'a [OptionTick],
+    /// The option that the settings prescribe to a robot that leads; none by default.
+    pub prescribed: Option<usize>,
     /// The executed option; none before the first step.
     pub executed: Option<usize>,
     /// The mode of the last period.
@@ -101,8 +103,11 @@ pub struct RobotView<'a> {
 }
 
 impl RobotView<'_> {
-    /// o*(k) of eq. (6). J~_o is known while the robot leads.
+    /// o*(k) of eq. (6), or the option that the settings prescribe. J~_o is known while the robot leads.
     pub fn best_option(&self) -> usize {
+        if let Some(prescribed) = self.prescribed {
+            return prescribed;
+        }
         let costs = self.evaluated.iter().map(|o| (o.objective, o.expected));
         robot_choice(costs, self.stubbornness, self.executed)
     }

@@ -86,6 +86,7 @@ impl Scenario {
             }
         };
         let prepared = PreparedScenario { scenario: self, scene, robot };
+        prepared.check_lead_option()?;
         prepared.human()?;
         Ok(prepared)
     }
@@ -176,6 +177,18 @@ impl PreparedScenario {
         let (robot, setup) = self.robot.as_deref().zip(self.scenario.plant.robot_setup())?;
         let posture = robot.posture(&setup.posture)?.joints;
         Some(Manipulator { robot, posture, control: setup.control, obstacles: &self.scene.obstacles })
+    }
+
+    /// The option on which the robot shall lead is one of the world's.
+    fn check_lead_option(&self) -> Result<(), Error> {
+        let Some(number) = self.scenario.settings.lead_option else { return Ok(()) };
+        let count = self.options().options().len();
+        if (1..=count as u64).contains(&number) {
+            return Ok(());
+        }
+        let expected =
+            format!("from 1 to {count}, the number of an option of {}", self.scenario.world.file());
+        Err(Error::number(Place::file("scenario"), "settings.lead_option", number as f64, &expected))
     }
 
     /// The episode, before its first step.

@@ -202,6 +202,17 @@ pub const POSE: Setting = Setting {
     kind: Kind::Word(|| words(POSES), field!(robot r => r.control.candidates, POSES)),
 };
 
+/// What a robot that leads does not decide by eq. (6): for stimuli.
+const LEAD_OPTION: Setting = Setting {
+    key: "lead_option",
+    flag: "lead-option",
+    path: "settings.lead_option",
+    group: Group::Method,
+    about: "Option on which the robot leads, by its number in `cocarry world` [default: the best by eq. (6)]",
+    applies: Applies::Always,
+    kind: Kind::Count(1_000_000, field!(scenario s => s.settings.lead_option)),
+};
+
 /// All settings. A study varies the last ones fastest.
 pub const SETTINGS: &[Setting] = &[
     RISK_WEIGHT,
@@ -417,6 +428,7 @@ pub const SETTINGS: &[Setting] = &[
             },
         ),
     },
+    LEAD_OPTION,
     POSE,
     Setting {
         key: "pose_criterion",

@@ -56,6 +56,7 @@ mod sharp_bends;
 mod snapshots;
 mod spoiled_robot;
 mod starting;
+mod stimuli;
 mod suggestions;
 mod support;
 mod sweeps;

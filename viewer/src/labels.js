@@ -10,7 +10,9 @@ export class Labels {
       const element = document.createElement("div");
       element.className = label.kind;
       if (label.kind === "opening") {
-        element.innerHTML = `${symbol(label.name)} ${label.width.toFixed(2)} m, risk ${label.risk.toFixed(2)}`;
+        // a stimulus has names alone
+        const figures = label.risk === undefined ? "" : ` ${label.width.toFixed(2)} m, risk ${label.risk.toFixed(2)}`;
+        element.innerHTML = symbol(label.name) + figures;
         element.style.borderLeftColor = label.colour;
       } else {
         element.innerHTML = label.kind === "option" ? `option ${escaped(label.name)}` : escaped(label.name);

@@ -27,6 +27,8 @@ const redraw = () => (isDirty = true);
 const { seed, method, plant, robot, alpha, gamma } = episode.facts;
 document.title = episode.postures ? episode.title : `${episode.world.name}: ${episode.title}`;
 $("title").textContent = episode.world.name;
+// for participants of a study: the scene alone
+$("player").classList.toggle("stimulus", Boolean(episode.is_stimulus));
 $("facts").textContent = episode.facts.about ?? [
   `method ${method}`, PLANTS[plant] ?? plant, robot && `robot ${robot}`, `human α ${round(alpha)}, γ ${round(gamma)}`, `seed ${seed}`,
 ].filter(Boolean).join(" · ");
@@ -84,7 +86,8 @@ function scene() {
 
 // Makes what the first picture does without.
 function finish() {
-  charts = episode.postures ? new Postures($("charts"), episode) : new Charts($("charts"), episode, seek);
+  if (episode.is_stimulus) charts = { update() {}, layout() {} };
+  else charts = episode.postures ? new Postures($("charts"), episode) : new Charts($("charts"), episode, seek);
   if (episode.learned) learned = new Learned($("charts"), episode);
   stage?.finish();
   show();

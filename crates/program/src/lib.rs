@@ -34,6 +34,7 @@ mod serving;
 mod settings;
 mod shell;
 mod snapshots;
+mod stimuli;
 mod sweep;
 mod terminal;
 mod text_table;
@@ -87,6 +88,7 @@ enum Command {
     #[command(subcommand)]
     Fit(fit::Parameter),
     Infer(infer::InferArguments),
+    Stimuli(stimuli::StimuliArguments),
     Calibrate(calibrate::CalibrateArguments),
     #[command(subcommand)]
     Regress(regress::Action),
@@ -163,6 +165,7 @@ pub fn main_of(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Some(Command::Reproduce(claim)) => reproduce::run_reproduce(&claim),
         Some(Command::Inspect(arguments)) => inspect::run_inspect(&arguments),
         Some(Command::Recover(arguments)) => recover::run_recover(&arguments),
+        Some(Command::Stimuli(arguments)) => stimuli::run_stimuli(&arguments),
         Some(Command::Render(arguments)) => render::run_render(&arguments),
         Some(Command::Replay(arguments)) => replay::run_replay(&arguments),
         Some(Command::Fit(parameter)) => fit::run_fit(&parameter),

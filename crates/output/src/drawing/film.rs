@@ -98,7 +98,7 @@ impl Film<'_> {
         let mut numbers = Group::new();
         for (i, &at) in shown.iter().enumerate() {
             let moment = &self.moments[at];
-            map = map.add(self.team(&layout.view, moment));
+            map = map.add(team(self.world, self.base, &layout.view, moment));
             let outline = self.outline(&layout.view, moment);
             outline.iter().for_each(|area| clutter.take(*area));
             numbers = numbers.add(self.instant_number(i + 1, &layout, moment, &mut clutter));
@@ -206,50 +206,6 @@ impl Film<'_> {
             group = group.add(line);
         }
         (group.add(view.openings(self.world, true)), clutter)
-    }
-
-    /// The team from above: base and arm, object, and the human with arms, shoulders and head.
-    pub(super) fn team(&self, view: &MapView, moment: &Moment) -> Group {
-        let outlined = |group: Group, points: Vec<Point>, fill: &str| {
-            let points: Vec<Point> = points.into_iter().map(|p| view.px(p)).collect();
-            group.add(polygon(&points).set("fill", fill).set("stroke", INK).set("stroke-width", 1))
-        };
-        let round = |center: Point, yaw: f64, [along, across]: [f64; 2]| {
-            let (ahead, aside) = (direction(yaw), left_of(direction(yaw)));
-            let turn = (0..24).map(|i| direction(f64::from(i) * std::f64::consts::TAU / 24.0));
-            turn.map(|t| center + ahead * (along * t.x) + aside * (across * t.y)).collect::<Vec<_>>()
-        };
-        let PlanarPose { position, yaw } = moment.object;
-        let [length, breadth] = [self.world.object.size[0], self.world.object.size[1].max(0.12)];
-        let (ahead, aside) = (direction(yaw) * (length / 2.0), left_of(direction(yaw)) * (breadth / 2.0));
-        let object = [ahead + aside, aside - ahead, -ahead - aside, ahead - aside].map(|v| position + v);
-        let human = moment.human;
-        let shoulder = |side: f64| human.position + left_of(direction(human.yaw)) * (0.19 * side);
-        let front = position + ahead;
-        let line = |from: Point, to: Point, colour: &str, width| {
-            stroke(&[view.px(from), view.px(to)], colour, width).set("stroke-linecap", "round")
-        };
-        let width = (0.1 * view.scale()).max(2.2);
-        let mut group = Group::new().set("class", "team");
-        let base = moment.base.position;
-        let outline = match self.base {
-            Footprint::Disc { radius, .. } => round(base, 0.0, [*radius; 2]),
-            Footprint::Polygon(corners) => {
-                let ahead = direction(moment.base.yaw);
-                corners.iter().map(|c| base + ahead * c.x + left_of(ahead) * c.y).collect()
-            }
-        };
-        group = outlined(group, outline, &hex(ROBOT));
-        group = group.add(line(base, moment.grasp, INK, width + 1.6));
-        group = group.add(line(base, moment.grasp, &hex(ROBOT), width));
-        for side in [1.0, -1.0] {
-            let hand = front + left_of(direction(yaw)) * (breadth / 2.0 * side);
-            group = group.add(line(shoulder(side), hand, INK, width + 1.2));
-            group = group.add(line(shoulder(side), hand, &hex(HUMAN), width - 0.2));
-        }
-        group = outlined(group, object.to_vec(), &hex(OBJECT));
-        group = outlined(group, round(human.position, human.yaw, [0.14, 0.25]), &hex(HUMAN));
-        outlined(group, round(human.position + direction(human.yaw) * 0.03, 0.0, [0.1; 2]), &hex(HAIR))
     }
 
     /// The areas that the team covers, px.
@@ -389,6 +345,50 @@ impl Film<'_> {
         shown.dedup();
         shown
     }
+}
+
+/// The team from above: base and arm, object, and the human with arms, shoulders and head.
+pub(super) fn team(world: &World, base_outline: &Footprint, view: &MapView, moment: &Moment) -> Group {
+    let outlined = |group: Group, points: Vec<Point>, fill: &str| {
+        let points: Vec<Point> = points.into_iter().map(|p| view.px(p)).collect();
+        group.add(polygon(&points).set("fill", fill).set("stroke", INK).set("stroke-width", 1))
+    };
+    let round = |center: Point, yaw: f64, [along, across]: [f64; 2]| {
+        let (ahead, aside) = (direction(yaw), left_of(direction(yaw)));
+        let turn = (0..24).map(|i| direction(f64::from(i) * std::f64::consts::TAU / 24.0));
+        turn.map(|t| center + ahead * (along * t.x) + aside * (across * t.y)).collect::<Vec<_>>()
+    };
+    let PlanarPose { position, yaw } = moment.object;
+    let [length, breadth] = [world.object.size[0], world.object.size[1].max(0.12)];
+    let (ahead, aside) = (direction(yaw) * (length / 2.0), left_of(direction(yaw)) * (breadth / 2.0));
+    let object = [ahead + aside, aside - ahead, -ahead - aside, ahead - aside].map(|v| position + v);
+    let human = moment.human;
+    let shoulder = |side: f64| human.position + left_of(direction(human.yaw)) * (0.19 * side);
+    let front = position + ahead;
+    let line = |from: Point, to: Point, colour: &str, width| {
+        stroke(&[view.px(from), view.px(to)], colour, width).set("stroke-linecap", "round")
+    };
+    let width = (0.1 * view.scale()).max(2.2);
+    let mut group = Group::new().set("class", "team");
+    let base = moment.base.position;
+    let outline = match base_outline {
+        Footprint::Disc { radius, .. } => round(base, 0.0, [*radius; 2]),
+        Footprint::Polygon(corners) => {
+            let ahead = direction(moment.base.yaw);
+            corners.iter().map(|c| base + ahead * c.x + left_of(ahead) * c.y).collect()
+        }
+    };
+    group = outlined(group, outline, &hex(ROBOT));
+    group = group.add(line(base, moment.grasp, INK, width + 1.6));
+    group = group.add(line(base, moment.grasp, &hex(ROBOT), width));
+    for side in [1.0, -1.0] {
+        let hand = front + left_of(direction(yaw)) * (breadth / 2.0 * side);
+        group = group.add(line(shoulder(side), hand, INK, width + 1.2));
+        group = group.add(line(shoulder(side), hand, &hex(HUMAN), width - 0.2));
+    }
+    group = outlined(group, object.to_vec(), &hex(OBJECT));
+    group = outlined(group, round(human.position, human.yaw, [0.14, 0.25]), &hex(HUMAN));
+    outlined(group, round(human.position + direction(human.yaw) * 0.03, 0.0, [0.1; 2]), &hex(HAIR))
 }
 
 /// A number in a disc.

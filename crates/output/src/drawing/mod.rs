@@ -21,6 +21,7 @@ mod opening_labels;
 mod option_table;
 mod ratios;
 mod regions;
+mod stimulus;
 mod stubbornness;
 mod tolerances;
 mod track;
@@ -37,6 +38,7 @@ pub use means::{MeanPanel, MeanRow, means};
 pub use moving::Moving;
 pub use ratios::{RatioPanel, RatioRow, cost_ratios};
 pub use regions::{RegionPanel, preference_regions};
+pub use stimulus::{Shown, Stimulus};
 pub use tolerances::{ToleranceRow, tolerances};
 pub use track::Track;
 

@@ -2,7 +2,7 @@
 //! whole way.
 
 use super::Moment;
-use super::film::{Film, MIN_WIDTH_BOTH};
+use super::film::{Film, MIN_WIDTH_BOTH, team};
 use super::kit::{
     AXIS_ROOM, Align, GAP, INK, LEFT_ROOM, MARGIN, PAPER, TEXT_SIZE, Text, disc, document_of, number, px,
     rectangle, stroke, wrapped,
@@ -149,7 +149,7 @@ impl Moving<'_> {
             .set("transform", format!("translate({} {})", px(shift.x), px(shift.y)))
             .add(stroke(&walked, INK, 2.4))
             .add(self.view.ends(film.world))
-            .add(film.team(&self.view, moment))
+            .add(team(film.world, film.base, &self.view, moment))
             .add(self.labels.clone());
         let frame = rectangle(self.window).set("fill", "none").set("stroke", INK).set("stroke-width", 1.2);
         Group::new().add(Group::new().set("clip-path", "url(#map)").add(map)).add(frame)

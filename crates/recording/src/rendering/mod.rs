@@ -12,6 +12,8 @@ mod player;
 mod robot;
 
 pub use layout::viewer_layout;
-pub use pictures::{Pixels, Width, filmstrip_png, filmstrip_svg, last_picture, moving_gif};
-pub use player::player;
+pub use pictures::{
+    Pixels, Width, filmstrip_png, filmstrip_svg, last_picture, moving_gif, stimulus_gif, stimulus_png,
+};
+pub use player::{player, stimulus_page};
 pub use robot::robot_page;

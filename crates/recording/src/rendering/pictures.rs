@@ -3,7 +3,7 @@
 use super::film::film;
 use crate::recording::Playback;
 use cocarry::Error;
-use cocarry_output::drawing::{Letters, NARROWEST, WIDEST};
+use cocarry_output::drawing::{Letters, Moment, NARROWEST, Stimulus, WIDEST};
 use gif::{DisposalMethod, Encoder, Frame, Repeat};
 use resvg::tiny_skia::{Color, Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
@@ -17,6 +17,8 @@ const RESOLUTION: f64 = 300.0;
 const LAYOUT_PER_INCH: f64 = 16.5 * 72.0 / 7.2;
 /// A moving picture shows the recording at twice its speed, in hundredths of a second for a second.
 const SPEED: f64 = 50.0;
+/// A moving stimulus shows it as it was.
+const REAL_TIME: f64 = 100.0;
 /// The time for which the last picture stays, hundredths of a second.
 const STAY: u16 = 250;
 /// The number of colours of a moving picture, besides the transparent one.
@@ -86,11 +88,39 @@ pub fn filmstrip_png(playback: &Playback, instants: usize, width: Width) -> Resu
 /// As [`filmstrip_png`].
 pub fn moving_gif(playback: &Playback, width: Width) -> Result<Vec<u8>, Error> {
     let film = film(playback, Letters::Outlines);
-    let moments = film.moments.len();
-    let mut shown: Vec<usize> = (0..moments).step_by(moments.div_ceil(MAX_PICTURES).max(1)).collect();
-    shown.extend((shown.last() != Some(&(moments - 1))).then_some(moments - 1));
     let moving = film.moving(width.layout(), None)?;
-    let picture = |at: usize| raster(&moving.picture(at), width.pixels());
+    gif(&film.moments, SPEED, |at| raster(&moving.picture(at), width.pixels()))
+}
+
+/// The picture of a world for participants as a PNG file. `stimulus` has outlines as letters.
+///
+/// # Errors
+/// As [`filmstrip_png`].
+pub fn stimulus_png(stimulus: &Stimulus, width: u32) -> Result<Vec<u8>, Error> {
+    raster(&stimulus.map(), f64::from(width))?.encode_png().map_err(no_image)
+}
+
+/// The team in the picture of a world for participants, as a moving GIF in real time. `stimulus` has outlines
+/// as letters.
+///
+/// # Errors
+/// As [`filmstrip_png`].
+pub fn stimulus_gif(playback: &Playback, stimulus: &Stimulus, width: u32) -> Result<Vec<u8>, Error> {
+    let film = film(playback, Letters::Outlines);
+    let picture = |at: usize| stimulus.with_team(film.base, &film.moments[at]);
+    gif(&film.moments, REAL_TIME, |at| raster(&picture(at), f64::from(width)))
+}
+
+/// A moving GIF of these moments, each of which lasts `speed` hundredths of a second for a second. Of many it
+/// shows every second, or every third, and so on.
+fn gif(
+    moments: &[Moment],
+    speed: f64,
+    picture: impl Fn(usize) -> Result<Pixmap, Error>,
+) -> Result<Vec<u8>, Error> {
+    let count = moments.len();
+    let mut shown: Vec<usize> = (0..count).step_by(count.div_ceil(MAX_PICTURES).max(1)).collect();
+    shown.extend((shown.last() != Some(&(count - 1))).then_some(count - 1));
     let samples = shown.iter().step_by(shown.len().div_ceil(SAMPLES)).map(|&at| picture(at));
     let samples = samples.collect::<Result<Vec<Pixmap>, Error>>()?;
     let mut palette = Palette::of(&samples);
@@ -103,7 +133,7 @@ pub fn moving_gif(playback: &Playback, width: Width) -> Result<Vec<u8>, Error> {
         Encoder::new(&mut file, side(breadth)?, side(height)?, &palette.colours).map_err(image)?;
     encoder.set_repeat(Repeat::Infinite).map_err(image)?;
     let mut before: Option<Vec<u8>> = None;
-    let begin = |at: usize| (SPEED * film.moments[at].time).round();
+    let begin = |at: usize| (speed * moments[at].time).round();
     for (i, &at) in shown.iter().enumerate() {
         let now = palette.indexed(&picture(at)?);
         let mut frame = palette.changed(before.as_deref(), &now, breadth as usize);

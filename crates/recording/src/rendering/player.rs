@@ -7,6 +7,7 @@ use cocarry::error::Place;
 use cocarry::geometry::{Point, Pose};
 use cocarry::quantities::{COORDINATION, COST, INTERACTION, Kind, Quantity};
 use cocarry::robot::Robot;
+use cocarry_output::drawing::Shown;
 use cocarry_output::figure;
 use cocarry_output::player::{self, Meshes, pose, read_mesh, shapes};
 use serde_json::{Value, json};
@@ -25,6 +26,50 @@ const PLACE: &str = "__EPISODE__";
 pub fn player(playback: &Playback, title: &str, robot: Option<&Robot>) -> Result<String, Error> {
     Ok(filled(&episode(playback, title, robot)?))
 }
+
+/// As [`player`], for participants of a study: the scene alone, with no figure, event or path of the episode.
+/// `shown` says which names it has.
+///
+/// # Errors
+/// As [`player`].
+pub fn stimulus_page(playback: &Playback, title: &str, shown: Shown) -> Result<String, Error> {
+    let mut page = episode(playback, title, None)?;
+    let count = playback.times(Channel::Coordination).len();
+    page["is_stimulus"] = true.into();
+    page["facts"] = json!({ "about": "" });
+    page["steps"] = json!({
+        "decided_s": page["steps"]["decided_s"],
+        "done_s": page["steps"]["done_s"],
+        "mode": vec!["robot-led"; count],
+        "executed": vec![""; count],
+        "preferred": vec![""; count],
+        "figures": {},
+    });
+    for left_out in ["ahead", "events"] {
+        page[left_out] = json!([]);
+    }
+    page["outcome"] = Value::Null;
+    let entries = |list: &mut Value, is_shown: bool| {
+        let entries = list.as_array_mut().map(std::mem::take).unwrap_or_default();
+        if is_shown { entries } else { Vec::new() }
+    };
+    let openings = entries(&mut page["world"]["openings"], shown.openings).into_iter();
+    let named =
+        |opening: Value| json!({ "name": opening["name"], "ends": opening["ends"], "colour": UNRATED });
+    page["world"]["openings"] = openings.map(named).collect();
+    let options = entries(&mut page["options"], shown.options).into_iter();
+    // all are as wide
+    let alike = |mut option: Value| {
+        option["probability"] = json!([EQUAL_WIDTH]);
+        option
+    };
+    page["options"] = options.map(alike).collect();
+    Ok(filled(&page))
+}
+
+/// The colour of an opening without its risk, and the P_o as which options are drawn without theirs.
+const UNRATED: &str = "#cdebd0";
+const EQUAL_WIDTH: f64 = 0.25;
 
 /// The page with what it shows.
 pub(super) fn filled(episode: &Value) -> String {
