@@ -28,9 +28,14 @@ with tempfile.TemporaryDirectory() as name:
     import cocarry._cocarry as native
 
     quantities, native.quantities = native.quantities, lambda *_: {}
-    import cocarry.datasets  # noqa: F401
+    import cocarry.datasets
+    import cocarry.environments as environments
 
     native.quantities = quantities
+    # what the environments have in common
+    for base in [environments._Env, environments._VectorEnv]:
+        environments.__all__.append(base.__name__)
+        base.__doc__ = f"{base.__doc__}\n\n@public"
     icon = "data:image/svg+xml," + urllib.parse.quote((SITE / "theme/favicon.svg").read_text())
     pdoc.render.configure(docformat="google", show_source=False, favicon=icon)
     pdoc.pdoc(*MODULES, output_directory=pathlib.Path(sys.argv[1]))

@@ -28,7 +28,7 @@ function live(link, episode) {
     if (frame) {
       frame.className = "live";
       frame.title = words;
-      frame.src = `${demo}#embed=1&${episode}`;
+      frame.src = `${demo}#embed=${episode.includes("belief=learn") ? "plane" : 1}&${episode}`;
     }
     if (still) still.hidden = Boolean(frame);
     button.textContent = frame ? "Stop" : words;
