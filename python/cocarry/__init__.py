@@ -2,6 +2,7 @@
 
 The same simulation as the Rust library and program ``cocarry``: the same scenario gives the same bits.
 Lengths are in metres, times in seconds, angles in radians unless a name ends in another unit.
+Modules to import on their own: ``cocarry.environments`` (Gymnasium), ``cocarry.pettingzoo``, ``cocarry.datasets``.
 
 >>> import cocarry
 >>> scenario = cocarry.Scenario("environment-4", plant="point", alpha=0.747, gamma=0.765)

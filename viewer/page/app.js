@@ -62,7 +62,7 @@ export class App {
 
   begin(log) {
     const { now } = this.choices;
-    $("player").classList.toggle("embed", this.asked.embed === "1");
+    if (this.asked.embed) $("player").dataset.embed = this.asked.embed;
     this.editor.fit(this.robotWidth());
     if (now.scenario !== null) {
       try {

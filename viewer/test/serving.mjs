@@ -7,15 +7,15 @@ import { gzipSync } from "node:zlib";
 import { chromium } from "playwright-core";
 
 const FOLDER = fileURLToPath(new URL("../dist/page/", import.meta.url));
-const TYPES = { html: "text/html", js: "text/javascript", css: "text/css", wasm: "application/wasm", txt: "text/plain" };
+const TYPES = { html: "text/html", js: "text/javascript", css: "text/css", svg: "image/svg+xml", wasm: "application/wasm", txt: "text/plain" };
 
-// Serves the page's folder, compressed as web hosts do; `sent` has the bytes that went for every file.
-export async function serve() {
+// Serves the page's folder, or another, compressed as web hosts do; `sent` has the bytes that went for every file.
+export async function serve(folder = FOLDER) {
   const sent = new Map(), compressed = new Map();
   const server = createServer(async (request, answer) => {
     const name = new URL(request.url, "http://127.0.0.1").pathname.replace(/^\/$/, "/index.html").slice(1);
     try {
-      if (!compressed.has(name)) compressed.set(name, gzipSync(await readFile(FOLDER + name)));
+      if (!compressed.has(name)) compressed.set(name, gzipSync(await readFile(folder + name)));
       const bytes = compressed.get(name);
       sent.set(name, bytes.length);
       answer.writeHead(200, { "content-type": TYPES[name.split(".").pop()] ?? "application/octet-stream", "content-encoding": "gzip" }).end(bytes);
