@@ -17,6 +17,11 @@ const compiled = new WebAssembly.Module(readFileSync(file));
 assert.deepEqual(WebAssembly.Module.imports(compiled), [], "the module needs a host");
 const module = await load(compiled);
 
+// the arithmetic is the program's, but for the principal inertias, for which parry takes the system's functions there
+const { stamp, parts: { "principal inertias": inertias, ...parts } } = module.arithmetic();
+assert.deepEqual(parts, JSON.parse(readFileSync(new URL("arithmetic.json", import.meta.url))));
+console.log(`arithmetic ${stamp}: ${Object.entries(parts).map(([name, digest]) => `${name} ${digest}`).join(", ")} as in the program; principal inertias ${inertias}`);
+
 let steps = 0, milliseconds = 0;
 for (const [number, episode] of EPISODES.entries()) {
   const begun = performance.now();

@@ -10,8 +10,10 @@ mod learned;
 mod pictures;
 mod player;
 mod robot;
+mod take_over;
 
 pub use layout::viewer_layout;
 pub use pictures::{Pixels, Width, filmstrip_png, filmstrip_svg, last_picture, moving_gif};
 pub use player::player;
 pub use robot::robot_page;
+pub use take_over::{DEMO_PORT, demo_address};
