@@ -166,6 +166,21 @@ fn the_parts_of_the_arithmetic_are_those_that_the_module_is_compared_with() {
     }
 }
 
+/// The episode of `crates/web/test/episodes.mjs` that is there for the fallback takes it.
+#[test]
+fn the_weights_of_the_fallback_need_it() {
+    let settings = json!({ "state_weight": 1e6, "input_weight": 1e-6, "control_period_s": 0.05 });
+    let parts = json!({ "world": "environment-1", "plant": "kinematic", "settings": settings });
+    let scenario = asked(&parts, cocarry_scenario)["scenario"].as_str().unwrap().to_owned();
+    let prepared = cocarry::scenario::Scenario::parse(&scenario).unwrap().prepare().unwrap();
+    let mut episode = prepared.episode().unwrap();
+    while episode.step().is_none() {}
+    // a solver of clarabel is made for the first program of each size
+    let shown = format!("{episode:?}");
+    let mut solvers = shown.split("Qp { sizes: [").skip(1);
+    assert!(solvers.any(|sizes| sizes.starts_with(|c: char| c.is_ascii_digit())), "clarabel was not asked");
+}
+
 #[test]
 fn every_robot_is_drawn_and_is_the_exported_one() {
     for (robot, has_meshes) in

@@ -50,7 +50,10 @@ for (const [number, episode] of EPISODES.entries()) {
   while (again.value("step") < log.steps && again.step() !== 0);
   assert.deepEqual(again.log().digests, log.digests, `${episode[0]}: another replay`);
   again.close();
-  console.log(`${episode[0]}: ${log.digests.length} digests equal, ${log.steps} steps, ${log.outcome ?? "goes on"}`);
+  const fallbacks = summary.figures.find(({ key }) => key === "fallback_steps")?.value || 0;
+  if (episode[0].endsWith("no solution")) assert.ok(fallbacks > 0, `${episode[0]}: every step has a solution`);
+  const without = fallbacks ? `, ${fallbacks} without a solution of eq. (7)` : "";
+  console.log(`${episode[0]}: ${log.digests.length} digests equal, ${log.steps} steps${without}, ${log.outcome ?? "goes on"}`);
 }
 console.log(`${(0.2 * steps / milliseconds * 1e3).toFixed(0)} times real time`);
 
