@@ -311,7 +311,7 @@ export class App {
   end() {
     this.isReported = true;
     this.shown.grow();
-    $("report").innerHTML = report(this.episode, this.core.summary(), this.deeds, this.hasDecided);
+    $("report").innerHTML = report(this.episode, this.core.summary(), this.deeds, this.hasDecided, this.given ? null : this.from);
     document.body.dataset.digest = this.core.digest();
     $("said").textContent = title(this.episode);
     this.controls.ended();

@@ -8,9 +8,14 @@ export class TakeOver {
   // `box` has the link, or the sentence why there is none.
   constructor(box, episode) {
     Object.assign(this, { box, episode, step: null });
-    const { refused } = episode.take_over;
+    const { refused, address } = episode.take_over;
     box.hidden = false;
     if (refused) return this.#say(refused);
+    this.link = document.createElement("a");
+    Object.assign(this.link, { target: "_blank", rel: "noopener" });
+    const words = document.createElement("span");
+    words.textContent = LOOPBACK.test(address) ? "as the human, in the page of the program: cocarry demo must run" : "as the human";
+    box.replaceChildren(this.link, " ", words);
     this.#pack().catch((error) => this.#say(`This episode cannot be taken over: this browser cannot make the link (${error.message}).`));
   }
 
@@ -18,15 +23,12 @@ export class TakeOver {
     const { address, scenario, log } = this.episode.take_over;
     const parts = [`scenario=${await packed(scenario)}`, ...(log ? [`log=${await packed(JSON.stringify(log))}`] : []), "carry=1"];
     this.start = `${address}#${parts.join("&")}`;
-    this.link = document.createElement("a");
-    Object.assign(this.link, { target: "_blank", rel: "noopener" });
-    const words = document.createElement("span");
-    words.textContent = LOOPBACK.test(address) ? "as the human, in the page of the program: cocarry demo must run" : "as the human";
-    this.box.replaceChildren(this.link, " ", words);
+    this.step = null;
     this.update(this.time ?? 0);
   }
 
   #say(sentence) {
+    this.link = null;
     this.box.textContent = sentence;
   }
 
@@ -39,7 +41,8 @@ export class TakeOver {
     if (step === this.step) return;
     this.step = step;
     const at = Number((step * period).toFixed(6)), [x, y, z] = this.#object(at);
-    this.link.href = `${this.start}&t=${at}&object=${x},${y},${z}`;
+    // before the scenario is packed the link leads nowhere yet
+    if (this.start) this.link.href = `${this.start}&t=${at}&object=${x},${y},${z}`;
     this.link.textContent = `Take over from ${at.toFixed(1)} s`;
   }
 
