@@ -103,6 +103,9 @@ def page(name: str, told: dict, robots: pathlib.Path, seeds: int) -> str:
     lines = [f"# {title}", ""]
     if has_picture(name, told):
         lines += [f"![{title} in its first posture](pictures/{file_of(name)}.webp)", ""]
+    if is_own:
+        # the page that runs the simulator has these
+        lines += [f"[Run it in the page](../page.md#robot={name})", ""]
     if about:
         lines += [about, ""]
     if base:

@@ -65,6 +65,7 @@ export class App {
 
   begin(log) {
     const { now } = this.choices, { t: from = null } = this.asked;
+    $("player").classList.toggle("embed", this.asked.embed === "1");
     this.editor.fit(this.robotWidth());
     if (now.scenario !== null) {
       try {

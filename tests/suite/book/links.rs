@@ -35,7 +35,8 @@ fn links_lead_to_files_and_headings() {
             let folder = Path::new(page).parent().unwrap();
             let target = if file.is_empty() { page.into() } else { folder.join(file) };
             assert!(repository(target.to_str().unwrap()).exists(), "{page}: {link}");
-            if !anchor.is_empty() {
+            // one with values is an episode for the page that runs the simulator: site/check opens it
+            if !anchor.is_empty() && !anchor.contains('=') {
                 let text = read(target.to_str().unwrap());
                 assert!(anchors(&text).contains(anchor), "{page}: {link}: no such heading");
             }
