@@ -8,8 +8,8 @@ const NUMBERS = {
   alpha: null, gamma: null, eta: "eta", stubbornness: "initial_stubbornness", rationality: "belief_rationality", seed: null, period: "control_period_s",
 };
 const WORDS = ["world", "robot", "plant", "human", "method", "belief"];
-// What is looked at: the camera, whether it plays, a frame in another page, the time that is shown first (s; with `carry`, from which the person
-// carries), and where the object is then (m), of an episode from elsewhere.
+// What is looked at: the camera, whether it plays, a frame in another page, the time that is shown first (s; with `carry`,
+// from which the person carries), and where the object is then (m), of an episode from elsewhere.
 const VIEWS = ["camera", "play", "embed", "t", "object"];
 const YES = "1";
 // What a link may have, characters.
