@@ -2,14 +2,14 @@
 //!
 //! Recordings, sweep rows and snapshots carry the stamp. Machines with the same stamp and the same program
 //! version give the same bits. A different stamp (another processor architecture, compiler or dependency
-//! version) means that the last bits differ, and comparisons say so. The stamp covers every function of
+//! version) means that last bits may differ, and comparisons say so. The stamp covers every function of
 //! [`math`], nalgebra's rotations and decompositions, a quadratic program solved by clarabel, and rapier's
 //! steps of bodies with contacts and of a multibody.
 
 use crate::control::Qp;
 use crate::geometry::rotation_vector;
 use crate::math;
-use crate::simulation;
+use crate::simulation::sample;
 use nalgebra::{Matrix3, Matrix6, Rotation3, UnitQuaternion, Vector3};
 use std::sync::OnceLock;
 
@@ -17,9 +17,38 @@ use std::sync::OnceLock;
 pub fn stamp() -> &'static str {
     static STAMP: OnceLock<String> = OnceLock::new();
     STAMP.get_or_init(|| {
-        let results = [functions(), linear_algebra(), quadratic_program(), simulation::sample_motion()];
-        digest(results.iter().flatten())
+        let results = calculations();
+        digest(results.iter().flat_map(|(_, results)| results))
     })
+}
+
+/// Digests of parts of the stamp by their names, and of [`PROGRAMS`] more quadratic programs, some of which have
+/// dependent rows: what two machines of different stamps have in common. It takes tens of milliseconds.
+///
+/// The principal inertias are the only part with the system's functions. The WebAssembly module has the same digests
+/// as this program of all others.
+pub fn parts() -> Vec<(&'static str, String)> {
+    let programs = ("programs", (0..PROGRAMS).flat_map(program).collect());
+    calculations()
+        .into_iter()
+        .chain([programs])
+        .map(|(name, results)| (name, digest(results.iter())))
+        .collect()
+}
+
+/// The number of quadratic programs of [`parts`].
+pub const PROGRAMS: usize = 200;
+
+/// The results of the stamp, in parts.
+fn calculations() -> [(&'static str, Vec<f64>); 6] {
+    [
+        ("functions", functions()),
+        ("linear algebra", linear_algebra()),
+        ("quadratic program", quadratic_program()),
+        ("motion", sample::moved()),
+        ("principal inertias", sample::principal_inertias()),
+        ("hull", sample::hull()),
+    ]
 }
 
 fn digest<'a>(results: impl Iterator<Item = &'a f64>) -> String {
@@ -62,8 +91,24 @@ fn quadratic_program() -> Vec<f64> {
     let entry = |i: usize, j: usize| math::cos((i * j) as f64) + if i == j { 6.0 } else { 0.0 };
     let matrix: Vec<f64> = (0..N * N).map(|k| entry(k / N, k % N)).collect();
     let linear: Vec<f64> = (0..N).map(|i| math::sin(3.0 * i as f64) + 0.2).collect();
+    minimiser(&matrix, &linear)
+}
+
+/// The minimiser of a program of 1 to 40 multipliers; every third has half as many independent rows.
+fn program(number: usize) -> Vec<f64> {
+    let n = 1 + number % 40;
+    let rank = if number % 3 == 0 { n.div_ceil(2) } else { n };
+    let root = |i: usize, k: usize| math::sin((1 + i * rank + k) as f64 * (1.0 + 0.37 * number as f64));
+    let product = |i: usize, j: usize| (0..rank).map(|k| root(i, k) * root(j, k)).sum::<f64>();
+    let matrix: Vec<f64> = (0..n * n).map(|k| product(k / n, k % n)).collect();
+    let linear: Vec<f64> = (0..n).map(|i| math::cos((1 + i) as f64 * (0.3 + number as f64))).collect();
+    minimiser(&matrix, &linear)
+}
+
+/// The minimiser of a quadratic program; NaN where there is none.
+fn minimiser(matrix: &[f64], linear: &[f64]) -> Vec<f64> {
     let mut minimiser = Vec::new();
-    match Qp::default().minimise(&matrix, &linear, &mut minimiser) {
+    match Qp::default().minimise(matrix, linear, &mut minimiser) {
         true => minimiser,
         false => vec![f64::NAN],
     }
@@ -75,11 +120,13 @@ mod tests {
 
     #[test]
     fn every_part_has_results_and_one_bit_makes_another_stamp() {
-        let parts = [functions(), linear_algebra(), quadratic_program(), simulation::sample_motion()];
-        for (part, least) in parts.iter().zip([1000, 300, 6, 12]) {
+        let parts = calculations().map(|(_, results)| results);
+        for (part, least) in parts.iter().zip([1000, 300, 6, 12, 280, 7]) {
             let finite = part.iter().filter(|value| value.is_finite()).count();
             assert!(finite >= least && finite * 10 > part.len() * 9, "{finite} of {}", part.len());
         }
+        let solved = (0..PROGRAMS).filter(|number| program(*number).iter().all(|value| value.is_finite()));
+        assert!(solved.count() > PROGRAMS * 9 / 10);
         let mut results = parts.concat();
         assert_eq!(digest(results.iter()), stamp());
         for k in (0..results.len()).step_by(97) {

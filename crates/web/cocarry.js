@@ -55,6 +55,8 @@ export class Module {
 
   /** Worlds, robots, plants, methods, humans and settings. */
   catalogue = () => this.#json("catalogue");
+  /** The stamp of the arithmetic, and digests of its parts. */
+  arithmetic = () => this.#json("arithmetic");
   /** A world as it is drawn, with its options and, with `regions: true`, the regions of the (alpha, gamma) plane. */
   world = (parts) => this.#json("world", parts);
   /** The text of a scenario, and the command line that gives the same episode. */

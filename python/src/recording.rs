@@ -36,7 +36,8 @@ impl Recording {
 pub fn page(recording: impl Read, name: &str, title: &str) -> PyResult<String> {
     let playback = Playback::read(&mut Reader::new(recording, name).map_err(|e| refused(&e))?);
     let playback = playback.map_err(|e| refused(&e))?;
-    rendering::player(&playback, title, None).map_err(|e| raise::<RecordingError>(&e))
+    rendering::player(&playback, title, None, &rendering::demo_address())
+        .map_err(|e| raise::<RecordingError>(&e))
 }
 
 /// A page in a frame of a notebook.

@@ -194,9 +194,10 @@ impl Episode<'_> {
         self.decided.as_ref()
     }
 
-    /// Which options had become one way in the last step.
+    /// Which options have become one way, as of their last evaluation: at the beginning of the present step, or
+    /// between steps of the last one.
     pub fn ways(&self) -> &Ways {
-        &self.ways
+        self.present().map_or(&self.ways, |begun| &begun.evaluated.ways)
     }
 
     /// The targets of the human's hand in the control periods of the last step that [`Human::hand`] gave.

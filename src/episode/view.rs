@@ -32,9 +32,13 @@ impl Episode<'_> {
     /// The view of the robot's policy in a step that has begun; `None` between steps. While the step is carried
     /// out, bodies and forces are the present ones.
     pub fn robot_view(&self) -> Option<RobotView<'_>> {
-        let carried = self.carried.as_ref().map(|carried| &carried.begun);
-        let begun = self.begun.as_ref().or(carried)?;
+        let begun = self.present()?;
         Some(view(self.now(), self.settings, begun, self.options, &self.progress, self.plant.observe()))
+    }
+
+    /// The present step; `None` between steps.
+    pub(super) fn present(&self) -> Option<&Begun> {
+        self.begun.as_ref().or(self.carried.as_ref().map(|carried| &carried.begun))
     }
 
     /// The decision of the episode's policy in a step that has begun; between steps, to follow.

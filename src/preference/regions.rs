@@ -1,6 +1,6 @@
 //! The regions R_o of the (alpha, gamma) plane, in each of which one option is preferred.
 
-use super::{Perception, Prospect, human_choice};
+use super::{Perception, Prospect, Ways, human_choice};
 
 /// Numbers of rows in gamma and of columns in alpha that are evaluated first; borders are searched for
 /// between neighbours that differ.
@@ -42,9 +42,21 @@ impl Regions {
     /// The regions over these ranges, by eq. (3) itself. Borders are accurate to 1e-9 on the rows and
     /// straight between rows. A region narrower than 1/160 of a range may be missed.
     pub fn new(prospects: &[Prospect], risk_weight: f64, alpha: [f64; 2], gamma: [f64; 2]) -> Self {
+        Self::of_ways(prospects, &Ways::default(), risk_weight, alpha, gamma)
+    }
+
+    /// [`Regions::new`] during an episode, in which several options may have become one way. They are one
+    /// choice: the region is that of the option that represents them.
+    pub fn of_ways(
+        prospects: &[Prospect],
+        ways: &Ways,
+        risk_weight: f64,
+        alpha: [f64; 2],
+        gamma: [f64; 2],
+    ) -> Self {
         let row = |gamma: f64| {
-            let preferred =
-                |alpha: f64| human_choice(prospects, risk_weight, Perception { alpha, gamma }, None);
+            let choice = |alpha: f64| human_choice(prospects, risk_weight, Perception { alpha, gamma }, None);
+            let preferred = |alpha: f64| ways.representative(choice(alpha));
             Row { gamma, parts: along(alpha, &preferred) }
         };
         let mut regions = Self { alpha, gamma, parts: Vec::new(), borders: Vec::new() };

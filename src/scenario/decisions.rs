@@ -96,6 +96,12 @@ impl Decisions {
         if human { Self { policy, ..self } } else { Self { policy, ..Self::default() } }
     }
 
+    /// Whether a partner decided that the scenario does not describe: a policy or a human of another program. A human
+    /// who was steered is the scenario's all the same.
+    pub fn has_custom_partner(&self) -> bool {
+        self.policy.is_some() || self.human.is_some() && !self.has_changes
+    }
+
     /// Whether it logs a human.
     pub fn has_human(&self) -> bool {
         self.human.is_some()

@@ -14,11 +14,12 @@ fn page() -> tempfile::TempDir {
     folder
 }
 
-/// The running program, and the port that it prints.
-fn serving(folder: &Path) -> (Child, u16) {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_cocarry"))
-        .args(["demo", "--no-browser", "--port", "0", "--page"])
-        .arg(folder)
+/// The running program, and the port that it prints. Without a folder it serves the page within.
+fn serving(program: &mut Command, folder: Option<&Path>) -> (Child, u16) {
+    let page = folder.into_iter().flat_map(|folder| ["--page".as_ref(), folder.as_os_str()]);
+    let mut child = program
+        .args(["demo", "--no-browser", "--port", "0"])
+        .args(page)
         .stdout(Stdio::piped())
         .spawn()
         .expect("the program starts");
@@ -30,23 +31,25 @@ fn serving(folder: &Path) -> (Child, u16) {
     (child, port)
 }
 
-fn get(port: u16, path: &str) -> String {
+fn get(port: u16, path: &str) -> Vec<u8> {
     let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
     write!(stream, "GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n").unwrap();
     let mut answer = Vec::new();
     stream.read_to_end(&mut answer).unwrap();
-    String::from_utf8_lossy(&answer).into_owned()
+    answer
 }
 
 #[cfg(unix)]
 #[test]
 fn demo_serves_a_page_until_ctrl_c() {
     let folder = page();
-    let (mut child, port) = serving(folder.path());
-    let answer = get(port, "/");
+    let program = &mut Command::new(env!("CARGO_BIN_EXE_cocarry"));
+    let (mut child, port) = serving(program, Some(folder.path()));
+    let get = |path: &str| String::from_utf8_lossy(&get(port, path)).into_owned();
+    let answer = get("/");
     assert!(answer.starts_with("HTTP/1.1 200") && answer.ends_with("<title>page</title>"), "{answer}");
-    assert!(get(port, "/cocarry.wasm").contains("Content-Type: application/wasm\r\n"));
-    assert!(get(port, "/../../etc/passwd").starts_with("HTTP/1.1 404"));
+    assert!(get("/cocarry.wasm").contains("Content-Type: application/wasm\r\n"));
+    assert!(get("/../../etc/passwd").starts_with("HTTP/1.1 404"));
     // a second one at the same port is told
     let taken = cocarry(&[
         "demo",
@@ -69,13 +72,38 @@ fn demo_without_a_page_says_how_to_get_one() {
     let output = cocarry(&["demo", "--no-browser", "--page", folder.path().to_str().unwrap()]);
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("has no index.html"), "{}", stderr(&output));
-    let output = Command::new(env!("CARGO_BIN_EXE_cocarry"))
-        .args(["demo", "--no-browser"])
-        .current_dir(folder.path())
-        .output()
-        .unwrap();
-    assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("crates/web/build"), "{}", stderr(&output));
+    #[cfg(not(feature = "page"))]
+    {
+        let output = Command::new(env!("CARGO_BIN_EXE_cocarry"))
+            .args(["demo", "--no-browser"])
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(2));
+        assert!(stderr(&output).contains("crates/web/build"), "{}", stderr(&output));
+    }
+}
+
+/// A program that was built with the page has every file of it within.
+#[cfg(feature = "page")]
+#[test]
+fn demo_serves_the_page_within() {
+    let elsewhere = tempfile::tempdir().unwrap();
+    let (mut child, port) =
+        serving(Command::new(env!("CARGO_BIN_EXE_cocarry")).current_dir(elsewhere.path()), None);
+    let built = crate::support::repository("viewer/dist/page");
+    let mut count = 0;
+    for file in std::fs::read_dir(built).unwrap() {
+        let file = file.unwrap();
+        let answer = get(port, &format!("/{}", file.file_name().to_str().unwrap()));
+        let end = answer.windows(4).position(|end| end == b"\r\n\r\n").unwrap() + 4;
+        assert!(answer.starts_with(b"HTTP/1.1 200"), "{file:?}");
+        assert!(answer[end..] == std::fs::read(file.path()).unwrap(), "{file:?}");
+        count += 1;
+    }
+    assert!(count >= 4, "{count} files");
+    child.kill().unwrap();
+    child.wait().unwrap();
 }
 
 /// A log of the first 30 steps of the default episode on the planning level, with one decision of the human.
@@ -87,7 +115,7 @@ fn log(digests: serde_json::Value) -> serde_json::Value {
     let scenario = Scenario::new(world.into(), Plant::Point).text().unwrap();
     let human: Vec<HumanDecision> = (0..30).map(|_| HumanDecision::following(1)).collect();
     serde_json::json!({
-        "version": 1, "scenario": scenario, "decisions": { "human": human }, "digests": digests, "steps": 30,
+        "version": 1, "scenario": scenario, "decisions": { "human": human, "has_changes": true }, "digests": digests, "steps": 30,
         "outcome": null,
     })
 }
@@ -110,6 +138,12 @@ fn replay_of_a_log_compares_digests_and_records() {
     let output = cocarry(&["replay", &file("carry.mcap")]);
     assert_eq!(output.status.code(), Some(0), "{}", stdout(&output));
     assert_eq!(json(&["inspect", &file("carry.mcap"), "--json"])["outcome"]["outcome"], "interrupted");
+    // whoever opens its page can take over again, after the decisions so far
+    let output = cocarry(&["render", &file("carry.mcap"), "-o", &file("carry.html")]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let page = std::fs::read_to_string(file("carry.html")).unwrap();
+    let (_, log) = page.split_once("\"take_over\":").unwrap();
+    assert!(log.contains("\"has_changes\":true") && log.contains("\"steps\":30,"), "{}", &log[..400]);
 }
 
 #[test]

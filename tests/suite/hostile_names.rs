@@ -5,7 +5,7 @@ use crate::recording::{MAGIC, rapier, record, short_on, unpacked};
 use crate::support::{repository, stderr, stdout};
 use cocarry::scenario::Plant;
 use cocarry_recording::recording::{Playback, Reader};
-use cocarry_recording::rendering::player;
+use cocarry_recording::rendering::{demo_address, player};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
@@ -95,7 +95,7 @@ fn a_forged_recording_is_refused_or_gives_figures_that_the_player_can_show() {
             match read {
                 Err(_) => refused += 1,
                 Ok(playback) => {
-                    let page = player(&playback, "m", None).expect("a page");
+                    let page = player(&playback, "m", None, &demo_address()).expect("a page");
                     check_episode(&serde_json::from_str(episode(&page)).expect("JSON"));
                     shown += 1;
                 }

@@ -165,6 +165,34 @@ fn a_page_has_the_meshes_of_a_robot_whose_file_is_given() {
     );
 }
 
+/// The page that runs the simulator gets what the recording has of its scenario, at the address that is given.
+#[test]
+fn a_player_hands_its_episode_to_the_page_that_runs_the_simulator() {
+    let folder = tempfile::tempdir().unwrap();
+    let recording = repository("recordings/environment-4.mcap");
+    let file = folder.path().join("page.html");
+    for (flags, address) in [(&[][..], "http://127.0.0.1:8790/"), (&["--demo", "../demo/"], "../demo/")] {
+        let render = [&["render", text(&recording), "--overwrite", "-o", text(&file)], flags].concat();
+        good(&render);
+        let take_over = &episode(&std::fs::read_to_string(&file).unwrap())["take_over"];
+        assert_eq!((&take_over["address"], &take_over["log"]), (&json!(address), &Value::Null));
+        let scenario = cocarry::scenario::Scenario::parse(take_over["scenario"].as_str().unwrap()).unwrap();
+        assert_eq!((scenario.human.alpha, scenario.world.file()), (0.747, "environment-4"));
+    }
+    for address in ["javascript:alert(1)", "data:text/html,x", "", "http://a b/", "http://x/#y", "file:///x"]
+    {
+        let said =
+            cocarry(&["render", text(&recording), "--overwrite", "-o", text(&file), "--demo", address]);
+        assert_eq!(said.status.code(), Some(2), "{address}");
+        assert!(stderr(&said).contains("--demo"), "{}", stderr(&said));
+    }
+    let picture = folder.path().join("page.svg");
+    refused(
+        &["render", text(&recording), "-o", text(&picture), "--demo", "x/"],
+        &["--demo is for .html only"],
+    );
+}
+
 /// Everything that a layout shows is recorded: options by their names in the colours of the player, and no
 /// others.
 #[test]

@@ -99,17 +99,7 @@ fn a_world_that_is_dragged_has_options_and_regions() {
     let sum: f64 = options.iter().map(|option| option["probability"].as_f64().unwrap()).sum();
     assert!(options.len() == 4 && (sum - 1.0).abs() < 1e-12, "{options:?}");
     // the areas of the regions are the probabilities of a uniform belief
-    let regions = &world["regions"];
-    let range = |key: &str| [0, 1].map(|i| regions[key][i].as_f64().unwrap());
-    let all = (range("alpha")[1] - range("alpha")[0]) * (range("gamma")[1] - range("gamma")[0]);
-    let mut shares = vec![0.0; options.len()];
-    for region in regions["parts"].as_array().unwrap() {
-        let corners = region["outline"].as_array().unwrap();
-        let at = |i: usize, k: usize| corners[i % corners.len()][k].as_f64().unwrap();
-        let doubled: f64 =
-            (0..corners.len()).map(|i| at(i, 0) * at(i + 1, 1) - at(i + 1, 0) * at(i, 1)).sum();
-        shares[region["option"].as_u64().unwrap() as usize] += doubled.abs() / 2.0 / all;
-    }
+    let shares = areas(&world["regions"], options.len());
     for (share, option) in shares.iter().zip(options) {
         assert!((share - option["probability"].as_f64().unwrap()).abs() < 1e-3, "{shares:?}");
     }
@@ -122,6 +112,73 @@ fn a_world_that_is_dragged_has_options_and_regions() {
     assert_eq!((&wide["is_widened"], &wide["robot_width_m"]), (&json!(true), &json!(0.6)));
     let error = refused(br#"{"name":"environment-4","robot_width_m":1.2}"#, cocarry_world);
     assert!(error.contains("xi1") && error.contains("impassable"), "{error}");
+}
+
+/// By option, the area of its regions over that of the plane.
+fn areas(regions: &Value, options: usize) -> Vec<f64> {
+    let range = |key: &str| [0, 1].map(|i| regions[key][i].as_f64().unwrap());
+    let all = (range("alpha")[1] - range("alpha")[0]) * (range("gamma")[1] - range("gamma")[0]);
+    let mut areas = vec![0.0; options];
+    for region in regions["parts"].as_array().unwrap() {
+        let corners = region["outline"].as_array().unwrap();
+        let at = |i: usize, k: usize| corners[i % corners.len()][k].as_f64().unwrap();
+        let doubled: f64 =
+            (0..corners.len()).map(|i| at(i, 0) * at(i + 1, 1) - at(i + 1, 0) * at(i, 1)).sum();
+        areas[region["option"].as_u64().unwrap() as usize] += doubled.abs() / 2.0 / all;
+    }
+    areas
+}
+
+#[test]
+fn the_regions_have_the_areas_of_p_o_all_along_a_walk() {
+    let parts = json!({
+        "world": "environment-4", "plant": "point", "alpha": 0.747, "gamma": 0.765, "settings": { "control_period_s": 0.1 },
+    });
+    let handle = open(&parts);
+    let (mut steps, mut joined) = (0, 0);
+    // within a planning step, where the page asks, and between two
+    while cocarry_period(handle) != 0 {
+        let probabilities = part(handle, "option_probability");
+        let areas = areas(&answer(cocarry_regions(handle)), probabilities.len());
+        for (area, probability) in areas.iter().zip(&probabilities) {
+            assert!((area - probability).abs() < 1e-3, "step {steps}: {areas:?}, {probabilities:?}");
+        }
+        // options that have become one way with another: the first of them would have its area
+        let lengths = part(handle, "option_length");
+        joined += usize::from((1..lengths.len()).any(|o| lengths[..o].contains(&lengths[o])));
+        steps += 1;
+    }
+    assert!(joined > 20 && steps > 100, "{joined} of {steps} after options became one way");
+}
+
+#[test]
+fn the_parts_of_the_arithmetic_are_those_that_the_module_is_compared_with() {
+    let file = repository("crates/web/test/arithmetic.json");
+    let mut parts = answer(cocarry_arithmetic())["parts"].clone();
+    // the only part with the system's functions
+    assert!(parts.as_object_mut().unwrap().remove("principal inertias").is_some());
+    let text = serde_json::to_string_pretty(&parts).unwrap() + "\n";
+    if std::env::var_os(UPDATE).is_some() {
+        std::fs::write(&file, &text).unwrap();
+    } else {
+        let there = std::fs::read_to_string(&file).unwrap();
+        assert!(there == text, "{text}: renew with {UPDATE}=1 cargo test --test suite web");
+    }
+}
+
+/// The episode of `crates/web/test/episodes.mjs` that is there for the fallback takes it.
+#[test]
+fn the_weights_of_the_fallback_need_it() {
+    let settings = json!({ "state_weight": 1e6, "input_weight": 1e-6, "control_period_s": 0.05 });
+    let parts = json!({ "world": "environment-1", "plant": "kinematic", "settings": settings });
+    let scenario = asked(&parts, cocarry_scenario)["scenario"].as_str().unwrap().to_owned();
+    let prepared = cocarry::scenario::Scenario::parse(&scenario).unwrap().prepare().unwrap();
+    let mut episode = prepared.episode().unwrap();
+    while episode.step().is_none() {}
+    // a solver of clarabel is made for the first program of each size
+    let shown = format!("{episode:?}");
+    let mut solvers = shown.split("Qp { sizes: [").skip(1);
+    assert!(solvers.any(|sizes| sizes.starts_with(|c: char| c.is_ascii_digit())), "clarabel was not asked");
 }
 
 #[test]
@@ -229,6 +286,17 @@ fn decisions_from_outside_change_the_episode_and_its_log_repeats_them() {
     }
     assert_eq!(digest(again), digest(steered));
     assert_eq!(answer(cocarry_log(again)), log);
+    // as many of its steps as are asked for: then decisions from outside, here none
+    let mut shorter = log.clone();
+    shorter["steps"] = 10.into();
+    write(shorter.to_string().as_bytes());
+    let shorter = cocarry_replay();
+    for _ in 0..20 {
+        cocarry_step(shorter);
+    }
+    let digests = |handle: u32| answer(cocarry_log(handle))["digests"].as_array().unwrap().clone();
+    assert_eq!(digests(shorter)[..2], digests(steered)[..2]);
+    assert_ne!(digests(shorter)[2..], digests(steered)[2..]);
     // after the log, decisions from outside are possible again
     assert_eq!(cocarry_human(again, 1, 2), 1);
     cocarry_step(again);

@@ -22,6 +22,8 @@ const $ = (id) => document.getElementById(id);
 const REST_MS = 160;
 // Pictures per second below which the picture gets coarser.
 const FEW_PICTURES = 24;
+// How far the object may be from where a recording has it, m: recordings have millimetres and less.
+const SAME_M = 1e-4;
 const isStill = matchMedia("(prefers-reduced-motion: reduce)").matches;
 
 export class App {
@@ -32,8 +34,9 @@ export class App {
     this.plane = new Plane($("plane"), (values) => choices.change(values));
     this.timeline = new Timeline((time) => this.seek(time));
     this.runner = new Runner({ decide: () => this.decide(), done: () => this.deeds.note(this.core) });
+    this.runner.onReached = () => this.reached();
     this.runner.onMeasured = () => this.runner.rates.pictures_per_s < FEW_PICTURES && !this.showsMap && this.view?.coarser();
-    this.editor = new Editor(module, {
+    this.editor = new Editor(module, catalogue.max_bytes.world, {
       draw: (drawn, file) => this.drawWorld(drawn, file),
       fault: (sentence) => ($("world-fault").textContent = sentence),
       done: (text) => choices.change({ toml: text }),
@@ -61,7 +64,7 @@ export class App {
   }
 
   begin(log) {
-    const { now } = this.choices;
+    const { now } = this.choices, { t: from = null } = this.asked;
     if (this.asked.embed) $("player").dataset.embed = this.asked.embed;
     this.editor.fit(this.robotWidth());
     if (now.scenario !== null) {
@@ -79,7 +82,7 @@ export class App {
     }
     if (this.choices.now.toml === null) this.editor.open(this.builtIn(this.choices.now.world));
     this.setup.show();
-    this.make(log);
+    this.make(log, from);
     if (!this.episode) {
       this.warn(`The episode of this link cannot be: ${$("scenario-fault").textContent}`);
       this.choices.change(BEGIN);
@@ -87,7 +90,8 @@ export class App {
     }
     this.controls.camera(this.view ? (this.asked.camera ?? "follow") : "map");
     if (this.noView) this.warn(`This browser cannot draw in three dimensions (${this.noView.message}). The map shows the same.`);
-    this.play(this.asked.play !== "0" && !isStill);
+    // who takes over from somewhere first looks where they are
+    this.play(this.asked.play !== "0" && !isStill && !(this.from !== null && now.carry));
     requestAnimationFrame((now) => this.frame(now));
   }
 
@@ -173,20 +177,28 @@ export class App {
     Object.assign(this.choices.now, choicesOf(scenario, about), { carry });
   }
 
-  // Makes the episode. `log` repeats decisions of a person.
-  make(log = null) {
+  // Makes the episode. `log` repeats decisions of a person; `from` is the time that is shown first, s, until which nobody
+  // on this page decides.
+  make(log = null, from = null) {
     clearTimeout(this.resting);
-    let made, core;
+    let made, core, repeats = log?.steps;
     try {
       const { scenario } = this.choices.now;
       made = scenario === null ? this.module.scenario(this.choices.scenario()) : { scenario, command: "cocarry replay episode.json" };
+      if (from !== null) {
+        core = this.module.open(made.scenario);
+        const { planning_step_s: step } = core.about.scenario, until = Math.floor(from / step + 1e-6);
+        if (this.choices.isOwn) [repeats, from] = [Math.min(repeats ?? until, until), until * step];
+      }
       if (log) {
         try {
-          core = this.module.replay({ ...log, scenario: made.scenario });
+          const repeated = this.module.replay({ ...log, steps: repeats, scenario: made.scenario });
+          core?.close();
+          core = repeated;
         } catch (error) {
           if (error.name !== "Refused") throw error;
           this.warn(`The decisions of this link cannot be repeated: ${error.message}`);
-          log = null;
+          [log, repeats] = [null, from === null ? 0 : repeats];
         }
       }
       core ??= this.module.open(made.scenario);
@@ -201,8 +213,9 @@ export class App {
     this.made = made;
     this.core?.close();
     this.core = core;
-    this.repeats = Number.isSafeInteger(log?.steps) ? log.steps : 0;
+    this.repeats = Number.isSafeInteger(repeats) ? repeats : 0;
     this.hasDecided = Boolean(log);
+    Object.assign(this, { given: log, from });
     this.goal = null;
     this.episode = new LiveEpisode(core, this.drawing(core), this.catalogue, this.catalogue.outcomes);
     this.deeds = new Deeds();
@@ -210,6 +223,7 @@ export class App {
     delete document.body.dataset.digest;
     $("report").replaceChildren();
     this.runner.begin(this.episode);
+    if (from !== null) this.runner.goTo(from);
     this.view?.show(this.episode);
     this.takeOver();
     this.timeline.begin(this.episode);
@@ -223,16 +237,38 @@ export class App {
   // A person's decisions, before a control period.
   decide() {
     if (this.core.value("step") < this.repeats) return;
-    if (this.repeats) {
-      this.repeats = 0;
-      this.takeOver();
-    }
+    if (this.repeats) this.handOver();
     if (!this.choices.isOwn) return;
     if (!this.hasDecided) {
       this.hasDecided = true;
       this.controls.made();
     }
     this.goal = this.carry.decide(this.core, this.episode.options);
+  }
+
+  // The decisions that are repeated are over: a person on this page goes on, if one carries.
+  handOver() {
+    const known = new Map(this.given?.digests);
+    const isOther = this.core.log().digests.some(([steps, digest]) => known.has(steps) && known.get(steps) !== digest);
+    const there = this.asked.object, here = this.core.part("object");
+    const isElsewhere = there && this.core.value("time") >= this.from - 1e-9 && Math.hypot(...there.map((x, i) => x - here[i])) > SAME_M;
+    this.repeats = 0;
+    if (this.choices.isOwn) {
+      this.hasDecided = true;
+      // of an episode of a model, what the person does counts from here
+      if (!this.given) this.deeds = new Deeds();
+    }
+    this.takeOver();
+    if (isOther || isElsewhere) this.warn("This episode came out otherwise than where its link was made: another version of the simulator made it.");
+    else if (this.from !== null && this.choices.isOwn) this.warn(`From ${this.from.toFixed(1)} s on the human’s end is yours: play, and carry.`);
+  }
+
+  // The time that was asked for is reached.
+  reached() {
+    if (this.repeats && this.core.value("step") >= this.repeats) this.handOver();
+    this.show();
+    this.view?.follow(1);
+    this.address();
   }
 
   play(isPlaying) {
@@ -276,7 +312,7 @@ export class App {
   end() {
     this.isReported = true;
     this.shown.grow();
-    $("report").innerHTML = report(this.episode, this.core.summary(), this.deeds, this.hasDecided);
+    $("report").innerHTML = report(this.episode, this.core.summary(), this.deeds, this.hasDecided, this.given ? null : this.from);
     document.body.dataset.digest = this.core.digest();
     $("said").textContent = title(this.episode);
     this.controls.ended();
@@ -293,7 +329,9 @@ export class App {
   // Brings the address up to date.
   async address() {
     const asked = (this.addresses = (this.addresses ?? 0) + 1);
-    const fragment = await link.written(this.choices.now, this.decisions());
+    // until a person on this page goes on, the link is the one that was opened
+    const isGiven = this.repeats > 0 || (this.from !== null && this.episode.end <= this.from + 1e-9);
+    const fragment = await link.written(this.choices.now, isGiven ? this.given : this.decisions(), isGiven ? this.from : null);
     // packing takes a while: the newest holds
     if (asked !== this.addresses) return location.href;
     this.fragment = fragment;

@@ -129,7 +129,7 @@ export class Controls {
     const use = (text) => editor.open(text) && (choices.change({ toml: text }), true);
     const open = async (file) => {
       try {
-        app.openFile(file.name, await files.text(file));
+        app.openFile(file.name, await files.text(file, Math.max(...Object.values(app.catalogue.max_bytes))));
       } catch (error) {
         $("world-fault").textContent = error.message;
       }

@@ -2,13 +2,11 @@
 // sentence where it is none; then the last good one stays.
 import * as edit from "./edit.js";
 
-// What a world file may have, bytes.
-const MAX_WORLD = 1 << 20;
-
 export class Editor {
-  // `draw` gets every good world as the module draws it; `fault` a sentence, or nothing; `done` the text of a change.
-  constructor(module, { draw, fault, done }) {
-    Object.assign(this, { module, tell: fault, draw, done, undone: [], robotWidth: null });
+  // `most` is what a world file may have, bytes. `draw` gets every good world as the module draws it; `fault` a sentence,
+  // or nothing; `done` the text of a change.
+  constructor(module, most, { draw, fault, done }) {
+    Object.assign(this, { module, most, tell: fault, draw, done, undone: [], robotWidth: null });
   }
 
   // Draws the same world for a robot of another width, m.
@@ -25,7 +23,8 @@ export class Editor {
   }
 
   #try(text) {
-    if (text.length > MAX_WORLD) return this.#refuse(`this world has ${text.length} bytes; expected at most ${MAX_WORLD}`);
+    const { size } = new Blob([text]);
+    if (size > this.most) return this.#refuse(`this world has ${size} bytes; expected at most ${this.most}`);
     try {
       const world = this.module.world({ text, file: "world.toml", robot_width_m: this.robotWidth ?? undefined, regions: true });
       Object.assign(this, { text, drawn: { ...world, world }, file: parsed(text) });

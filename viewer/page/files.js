@@ -8,8 +8,8 @@ export function save(name, text, type = "text/plain") {
   setTimeout(() => URL.revokeObjectURL(link.href), 10e3);
 }
 
-// The text of a file; a sentence where it is none.
-export async function text(file, most = 1 << 20) {
+// The text of a file of at most so many bytes; a sentence where it is none.
+export async function text(file, most) {
   if (file.size > most) throw new Error(`${file.name} has ${file.size} bytes; expected at most ${most}`);
   try {
     return new TextDecoder("utf-8", { fatal: true }).decode(await file.arrayBuffer());

@@ -1,16 +1,23 @@
 // The address of an episode: everything that was chosen, and a person's decisions, in the fragment. A value that cannot
 // be is left out with a sentence; the others hold.
+import { packed, unpacked } from "../src/packed.js";
 import { BEGIN } from "./choices.js";
 
-const NUMBERS = { alpha: [0, 1e3], gamma: [0, 1e3], eta: [0, 1e6], stubbornness: [0, 1], rationality: [0, 1e3], seed: [0, 2 ** 53], period: [0, 60] };
+// Numbers, with the settings in the module's catalogue that have their ranges.
+const NUMBERS = {
+  alpha: null, gamma: null, eta: "eta", stubbornness: "initial_stubbornness", rationality: "belief_rationality", seed: null, period: "control_period_s",
+};
 const WORDS = ["world", "robot", "plant", "human", "method", "belief"];
-const VIEWS = ["camera", "play", "embed"];
+// What is looked at: the camera, whether it plays, a frame in another page, the time that is shown first (s; with `carry`,
+// from which the person carries), and where the object is then (m), of an episode from elsewhere.
+const VIEWS = ["camera", "play", "embed", "t", "object"];
 const YES = "1";
-// What a link may have, and what it may unpack to, characters: decisions of half an hour have less.
-const MAX_LINK = 1 << 18, MAX_TEXT = 4 << 20;
+// What a link may have, characters.
+const MAX_LINK = 1 << 18;
 
-// The fragment of these choices. `log` holds a person's decisions; the world's text and the log are packed.
-export async function written(now, log) {
+// The fragment of these choices. `log` holds a person's decisions; the world's text and the log are packed. `time` is the
+// one that is shown first; null for the beginning.
+export async function written(now, log, time = null) {
   const words = new URLSearchParams();
   for (const key of [...WORDS, ...Object.keys(NUMBERS)]) {
     if (key === "world" && now.toml !== null) continue;
@@ -23,6 +30,7 @@ export async function written(now, log) {
     words.set("scenario", await packed(now.scenario));
   } else if (now.toml !== null) words.set("file", await packed(now.toml));
   if (log) words.set("log", await packed(JSON.stringify(log)));
+  if (time !== null) words.set("t", String(time));
   return words.toString();
 }
 
@@ -30,16 +38,20 @@ export async function written(now, log) {
 export async function read(fragment, catalogue) {
   const choices = {}, view = {}, faults = [];
   let log = null;
-  const known = names(catalogue);
+  const known = names(catalogue), numbers = ranges(catalogue);
   if (fragment.length > MAX_LINK) return { choices, log, view, faults: [`it has ${fragment.length} characters; expected at most ${MAX_LINK}`] };
   for (const [key, text] of new URLSearchParams(fragment.replace(/^#/, ""))) {
     const fault = (right) => faults.push(`${key}=${text.length > 40 ? `${text.slice(0, 40)}…` : text}: expected ${right}`);
-    if (VIEWS.includes(key)) view[key] = text;
-    else if (key in NUMBERS) {
-      const [least, most] = NUMBERS[key], value = Number(text);
-      const isWhole = key !== "seed" || Number.isInteger(value);
-      if (text.trim() !== "" && isWhole && value >= least && value <= most && (value > 0 || key === "seed")) choices[key] = value;
-      else fault(key === "seed" ? "a whole number from 0" : `a number above ${least} and at most ${most}`);
+    if (VIEWS.includes(key)) {
+      const isNumber = key === "t" || key === "object", values = text.split(",").map(Number);
+      if (!isNumber) view[key] = text;
+      else if (text.trim() === "" || values.length !== { t: 1, object: 3 }[key] || !values.every(Number.isFinite)) fault({ t: "a time, s", object: "a place, m" }[key]);
+      else view[key] = key === "t" ? values[0] : values;
+    } else if (key in numbers) {
+      const { least, least_is_open: isOpen, most, isWhole } = numbers[key], value = Number(text);
+      const isIn = (isOpen ? value > least : value >= least) && value <= most && (!isWhole || Number.isInteger(value));
+      if (text.trim() !== "" && isIn) choices[key] = value;
+      else fault(`a ${isWhole ? "whole " : ""}number ${isOpen ? "above" : "from"} ${least} ${isOpen ? "and at most" : "to"} ${most}`);
     } else if (key === "carry") {
       if (text === YES) choices.carry = true;
       else fault(YES);
@@ -67,31 +79,8 @@ function names({ worlds, robots, plants, methods }) {
   };
 }
 
-async function through(bytes, stream, limit = Infinity) {
-  const parts = [];
-  let length = 0;
-  const reader = new Blob([bytes]).stream().pipeThrough(stream).getReader();
-  for (let part = await reader.read(); !part.done; part = await reader.read()) {
-    length += part.value.length;
-    if (length > limit) {
-      reader.cancel();
-      throw new Error("too long");
-    }
-    parts.push(part.value);
-  }
-  return new Uint8Array(await new Blob(parts).arrayBuffer());
-}
-
-export async function packed(text) {
-  const bytes = await through(new TextEncoder().encode(text), new CompressionStream("deflate-raw"));
-  let binary = "";
-  for (const byte of bytes) binary += String.fromCharCode(byte);
-  return btoa(binary).replaceAll("+", "-").replaceAll("/", "_").replace(/=+$/, "");
-}
-
-export async function unpacked(text) {
-  const binary = atob(text.replaceAll("-", "+").replaceAll("_", "/"));
-  const bytes = Uint8Array.from(binary, (c) => c.charCodeAt(0));
-  const content = await through(bytes, new DecompressionStream("deflate-raw"), MAX_TEXT);
-  return new TextDecoder("utf-8", { fatal: true }).decode(content);
+// The range of every number.
+function ranges({ settings, perception }) {
+  const own = { alpha: perception, gamma: perception, seed: { least: 0, most: Number.MAX_SAFE_INTEGER, isWhole: true } };
+  return Object.fromEntries(Object.entries(NUMBERS).map(([key, setting]) => [key, own[key] ?? settings.find((known) => known.key === setting)]));
 }

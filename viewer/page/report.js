@@ -26,8 +26,9 @@ export function title(episode) {
   return `${ENDS[outcome] ?? `It ended: ${outcome}`} after ${episode.end.toFixed(1)} s`;
 }
 
-// The report as HTML. `summary` is the module's; `isOwn` says whether a person carried.
-export function report(episode, summary, deeds, isOwn) {
+// The report as HTML. `summary` is the module's; `isOwn` says whether a person carried, and `from` since when, s, where
+// it was not the whole time.
+export function report(episode, summary, deeds, isOwn, from) {
   const { steps, options, facts } = episode, last = episode.count - 1;
   const option = (name) => options.find((o) => o.name === name);
   const taken = option(steps.executed[last]), first = option(steps.executed[0]);
@@ -56,6 +57,6 @@ export function report(episode, summary, deeds, isOwn) {
   ];
   return `<h2>${escaped(title(episode))}</h2>
     <h3>The robot believed about ${who}</h3>${rows(believed)}
-    <h3>${isOwn ? "You" : "The human"}</h3>${rows(did)}
+    <h3>${isOwn ? (from ? `You, from ${from.toFixed(1)} s` : "You") : "The human"}</h3>${rows(did)}
     <h3>The program’s report</h3><pre tabindex="0" aria-label="The program’s report">${escaped(summary.text)}</pre>`;
 }

@@ -9,13 +9,13 @@ const WINDOW_S = 1, SLOW = 0.93;
 export class Runner {
   // `decide` is called before every control period of a running episode, `done` after it.
   constructor({ decide, done }) {
-    Object.assign(this, { decide, done, time: 0, speed: 1, isPlaying: false, before: null });
+    Object.assign(this, { decide, done, time: 0, speed: 1, isPlaying: false, before: null, goal: null });
     this.rates = { pictures_per_s: null, physics_share: null, speed: null };
     this.measured = fresh();
   }
 
   begin(episode) {
-    Object.assign(this, { episode, time: 0, before: null, measured: fresh() });
+    Object.assign(this, { episode, time: 0, before: null, goal: null, measured: fresh() });
     this.rates.speed = null;
   }
 
@@ -24,8 +24,27 @@ export class Runner {
     this.rates.speed = null;
   }
 
+  // Runs on to a time as quickly as the machine can, picture by picture; then calls `onReached`.
+  goTo(time) {
+    this.goal = time;
+  }
+
+  #hurry() {
+    const start = performance.now();
+    const goesOn = () => this.episode.isRunning && this.episode.end < this.goal - 1e-9;
+    while (goesOn() && performance.now() - start < BUDGET_MS) this.advance();
+    this.time = Math.min(this.goal, this.episode.end);
+    if (goesOn()) return;
+    Object.assign(this, { goal: null, before: null });
+    this.onReached?.();
+  }
+
   // Goes on by the time since the last picture; `now` in ms. Returns whether anything moved.
   frame(now) {
+    if (this.goal !== null) {
+      this.#hurry();
+      return true;
+    }
     if (!this.isPlaying || !this.episode) return false;
     const since = this.before === null ? 0 : (now - this.before) / 1000;
     this.before = now;
@@ -61,6 +80,7 @@ export class Runner {
   }
 
   seek(time) {
+    this.goal = null;
     this.time = Math.min(this.episode.end, Math.max(0, time));
   }
 

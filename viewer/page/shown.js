@@ -49,7 +49,7 @@ export class Shown {
     // the plane goes with the team: what people would choose from here. At B there is nothing left to choose
     const isThere = core.value("path_length") - core.value("along") < LAST_CHOICE_M;
     const step = episode.count - 1, options = episode.options.map((option) => ({ ...option, probability: option.probability[step] }));
-    if (!isThere && episode.isRunning) app.plane.show(asOneWay(core), options, app.person());
+    if (!isThere && episode.isRunning) app.plane.show(core.regions(), options, app.person());
     if (app.choices.now.belief === "learn") app.plane.believe(core.summary().learned);
   }
 
@@ -59,14 +59,6 @@ export class Shown {
     if (!this.app.showsMap) this.app.view.settle();
     document.body.dataset.drawn = performance.now().toFixed(0);
   }
-}
-
-// The regions of the plane. Options that have become one way with the executed one are it, as in P_o.
-function asOneWay(core) {
-  const regions = core.regions(), executed = core.value("executed");
-  const [lengths, risks] = [core.part("option_length"), core.part("option_risk")];
-  const isExecuted = (o) => lengths[o] === lengths[executed] && risks[o] === risks[executed];
-  return { ...regions, parts: regions.parts.map((part) => (isExecuted(part.option) ? { ...part, option: executed } : part)) };
 }
 
 // The parts of the picture in which no label may be.

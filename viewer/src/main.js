@@ -7,6 +7,7 @@ import { Labels } from "./labels.js";
 import { Learned } from "./learned.js";
 import { Postures, mark, robotControls } from "./postures.js";
 import { Stage } from "./scene.js";
+import { TakeOver } from "./takeover.js";
 
 const SPEEDS = [0.25, 0.5, 1, 2, 4, 8];
 const ICONS = {
@@ -21,7 +22,7 @@ const episode = new Episode(JSON.parse($("episode").textContent));
 const asked = new URLSearchParams(location.hash.slice(1));
 const isStill = matchMedia("(prefers-reduced-motion: reduce)").matches;
 const state = { time: 0, isPlaying: false, speed: 1 };
-let renderer, stage, charts, learned, cameras, labels, isDirty = true, before = null;
+let takeOver, renderer, stage, charts, learned, cameras, labels, isDirty = true, before = null;
 
 const redraw = () => (isDirty = true);
 const { seed, method, plant, robot, alpha, gamma } = episode.facts;
@@ -34,6 +35,7 @@ $("facts").textContent = episode.facts.about ?? [
 ].filter(Boolean).join(" · ");
 
 controls();
+if (episode.take_over) takeOver = new TakeOver($("takeover"), episode);
 try {
   scene();
 } catch (error) {
@@ -201,6 +203,7 @@ function show() {
   const preferred = episode.steps.preferred[step];
   charts?.update(episode.postures ? episode.between(time) : time, step);
   learned?.update(time);
+  takeOver?.update(time);
   $("clock").textContent = `${time.toFixed(1)} / ${episode.duration.toFixed(1)} s`;
   $("time").value = time;
   $("time").setAttribute("aria-valuetext", `${time.toFixed(1)} seconds, the ${isHuman ? "human" : "robot"} leads`);

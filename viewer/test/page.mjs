@@ -5,9 +5,11 @@ import { execFileSync } from "node:child_process";
 import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { loadavg, tmpdir } from "node:os";
 import { join } from "node:path";
+import { fileURLToPath, pathToFileURL } from "node:url";
 import { clock, download, launch, open, over, serve, text } from "./serving.mjs";
 
 const program = process.argv[2];
+const repository = fileURLToPath(new URL("../..", import.meta.url));
 const folder = mkdtempSync(join(tmpdir(), "page-"));
 const cocarry = (...words) => execFileSync(program, words, { cwd: folder, encoding: "utf8", maxBuffer: 1 << 28 });
 const MAX_BYTES = 3.5e6;
@@ -198,8 +200,124 @@ async function carries() {
   console.log(`carries: ${(log.steps * 0.2).toFixed(0)} s, ${log.outcome ?? "not over"}, a link of ${hash.length} characters, the program: ${replayed.trim().replaceAll("\n", "; ")}`);
 }
 
+// The page of a recording hands its episode over at 10 s, where it is the recording's; a person carries for ten more.
+async function takesOver() {
+  const shipped = join(repository, "recordings/environment-4.mcap"), page = join(folder, "taken.html");
+  cocarry("render", shipped, "-o", page, "--demo", server.address);
+  const context = await browser.newContext({ viewport: { width: 760, height: 640 }, acceptDownloads: true });
+  const player = await context.newPage(), faults = [];
+  context.on("weberror", (error) => faults.push(error.error().stack));
+  await player.goto(`${pathToFileURL(page)}#play=0&t=10`);
+  const button = player.locator("#takeover a");
+  assert.equal(await button.textContent(), "Take over from 10.0 s");
+  const [tab] = await Promise.all([context.waitForEvent("page"), button.click()]);
+  await tab.waitForFunction(() => /human’s end is yours/.test(document.getElementById("warning-text").textContent), null, { timeout: 120e3 });
+  assert.match(await text(tab, "#warning-text"), /^From 10\.0 s/);
+  assert.equal(await clock(tab), 10);
+  assert.match(await tab.evaluate(() => location.hash), /&t=10$/, "the link stays until somebody decides");
+  // the state is the recording's: the log so far gives the same messages
+  const recorded = (log, name) => {
+    writeFileSync(join(folder, `${name}.json`), JSON.stringify(log));
+    assert.match(cocarry("replay", `${name}.json`, "--overwrite", "--record", `${name}.mcap`), /identical: \d+ digests/);
+    return ["/base", "/joints", "/coordination", "/interaction"].map((channel) => rows(cocarry("inspect", `${name}.mcap`, "--csv", channel)));
+  };
+  const theirs = ["/base", "/joints", "/coordination", "/interaction"].map((channel) => rows(cocarry("inspect", shipped, "--csv", channel)));
+  const before = JSON.parse(await download(tab, "log"));
+  assert.deepEqual([before.steps, before.digests.length, before.decisions], [50, 10, undefined]);
+  const ours = recorded(before, "before");
+  ours.forEach((channel, c) => {
+    assert.ok(channel.length >= 50, `${channel.length} rows`);
+    assert.deepEqual(theirs[c].slice(0, channel.length), channel);
+  });
+  // ten more seconds, with the hand elsewhere
+  await tab.locator("#speed").selectOption("8");
+  await tab.locator("#play").click();
+  await tab.keyboard.down("w");
+  await tab.waitForFunction(() => Number.parseFloat(document.getElementById("clock").textContent) >= 20, null, { timeout: 120e3 });
+  await tab.keyboard.up("w");
+  await tab.locator("#play").click();
+  const log = JSON.parse(await download(tab, "log"));
+  assert.ok(log.steps >= 100 && log.decisions, `${log.steps} steps`);
+  const after = recorded(log, "after");
+  ours.forEach((channel, c) => assert.deepEqual(after[c].slice(0, channel.length), channel, "the same until 10 s"));
+  assert.notDeepEqual(after[2].slice(0, 100), theirs[2].slice(0, 100), "then another one");
+  assert.match(cocarry("replay", "after.mcap"), /identical/);
+  // from where the recording is another one, the page says so
+  const href = await button.getAttribute("href");
+  await tab.goto("about:blank");
+  await tab.goto(href.replace(/object=([\d.]+)/, "object=3$1"));
+  await tab.waitForFunction(() => /came out otherwise/.test(document.getElementById("warning-text").textContent), null, { timeout: 120e3 });
+  assert.deepEqual(faults, []);
+  await context.close();
+  console.log(`takes over: at 10 s all ${ours.reduce((sum, channel) => sum + channel.length, 0)} messages of the recording, then ${(log.steps * 0.2 - 10).toFixed(0)} s by hand, a link of ${href.length} characters`);
+}
+
+const rows = (table) => table.trim().split("\n").slice(1);
+
+// A finger on the map, and a gamepad, move the hand.
+async function handles() {
+  const hands = async (tab) => {
+    const { decisions } = JSON.parse(await download(tab, "log"));
+    return Object.entries(decisions?.hands ?? {}).flatMap(([step, targets]) => targets.map((target) => [Number(step), target])).filter(([, target]) => target);
+  };
+  const until = (tab, time) => tab.waitForFunction((time) => Number.parseFloat(document.getElementById("clock").textContent) >= time, time, { timeout: 120e3 });
+  const hash = "play=0&camera=map&carry=1&period=0.05";
+  const touched = await open(browser, server.address, hash, { width: 390, height: 844, touch: true });
+  const { tab } = touched, session = await tab.context().newCDPSession(tab);
+  const at = async (selector) => {
+    const { x, y, width, height } = await tab.locator(selector).first().boundingBox();
+    return [x + width / 2, y + height / 2];
+  };
+  const [x, y] = await at('#map [data-item="start_m"] .end');
+  const finger = (type, ...points) => session.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([x, y]) => ({ x, y })) });
+  await tab.locator("#play").tap();
+  await until(tab, 1);
+  assert.deepEqual(await hands(tab), [], "no finger, no target");
+  await finger("touchStart", [x, y]);
+  await finger("touchMove", [x + 5, y - 40]);
+  await until(tab, 2.4);
+  await finger("touchEnd");
+  const lifted = await clock(tab);
+  await until(tab, lifted + 1);
+  await tab.locator("#play").tap();
+  const places = await hands(tab);
+  assert.ok(places.length > 5, `${places.length} targets by touch`);
+  assert.ok(Math.max(...places.map(([step]) => step)) * 0.2 <= lifted + 0.4, "none after the finger is lifted");
+  await touched.close();
+
+  const held = await open(browser, server.address, hash, { before: () => {
+    globalThis.pad = { connected: true, axes: [0, 0], buttons: [{ pressed: false }, { pressed: false }] };
+    navigator.getGamepads = () => [globalThis.pad];
+  } });
+  const pad = (change) => held.tab.evaluate((change) => {
+    if (change.axes) globalThis.pad.axes = change.axes;
+    if (change.button !== undefined) globalThis.pad.buttons[change.button].pressed = change.pressed;
+  }, change);
+  await held.tab.locator("#play").click();
+  await until(held.tab, 0.6);
+  assert.deepEqual(await hands(held.tab), [], "a stick at rest");
+  await pad({ axes: [0, -1] });
+  await until(held.tab, 1.6);
+  await pad({ axes: [0.1, 0.1], button: 1, pressed: true });
+  await held.tab.waitForSelector('#resist[aria-pressed="true"]');
+  const rest = await clock(held.tab);
+  await until(held.tab, rest + 0.6);
+  await pad({ button: 1, pressed: false });
+  await held.tab.waitForSelector('#resist[aria-pressed="false"]');
+  await pad({ button: 0, pressed: true });
+  await held.tab.waitForSelector('#lead[aria-pressed="true"]');
+  await held.tab.locator("#play").click();
+  const pushed = await hands(held.tab);
+  assert.ok(pushed.length > 5, `${pushed.length} targets by stick`);
+  assert.ok(Math.max(...pushed.map(([step]) => step)) * 0.2 <= rest + 0.2, "a stick that is nearly at rest is at rest");
+  const { decisions: { human } } = JSON.parse(await download(held.tab, "log"));
+  assert.ok(human.some(({ stance }) => /resist/i.test(stance)), "the button holds back");
+  await held.close();
+  console.log(`handles: ${places.length} targets by touch, ${pushed.length} by a gamepad's stick; its buttons hold back and lead`);
+}
+
 try {
-  for (const check of [loads, changes, repeats, carries].filter(({ name }) => !process.argv[3] || name === process.argv[3])) {
+  for (const check of [loads, changes, repeats, carries, takesOver, handles].filter(({ name }) => !process.argv[3] || name === process.argv[3])) {
     const start = Date.now();
     await check();
     console.log(`  (${((Date.now() - start) / 1000).toFixed(0)} s)`);

@@ -5,10 +5,17 @@ import { BEGIN, Choices } from "../page/choices.js";
 import * as edit from "../page/edit.js";
 import { choicesOf, kindOf } from "../page/given.js";
 import * as link from "../page/link.js";
+import { packed } from "../src/packed.js";
 
 const catalogue = Object.fromEntries(Object.entries({
   worlds: ["environment-4", "free-form"], robots: ["carrier", "omni-carrier"], plants: ["rapier", "kinematic", "point"], methods: ["mutual", "human-led"],
 }).map(([key, names]) => [key, names.map((name) => ({ name }))]));
+// ranges as the module has them
+const range = (least, least_is_open, most) => ({ least, least_is_open, most });
+catalogue.perception = range(0, true, 10);
+catalogue.settings = Object.entries({
+  eta: range(0, true, 1e6), initial_stubbornness: range(0, true, 1), belief_rationality: range(0, true, 1e3), control_period_s: range(0.01, false, 60),
+}).map(([key, own]) => ({ key, ...own }));
 
 // what is as at the beginning makes no address; everything else comes back, to the last bit
 assert.equal(await link.written(BEGIN, null), "");
@@ -36,9 +43,13 @@ assert.equal(read.faults.length, 7, read.faults.join("\n"));
 for (const key of ["alpha=-1", "gamma=x", "world=nowhere", "seed=1.5", "phi=2", "file=!!", "log=AAAA"]) {
   assert.ok(read.faults.some((fault) => fault.startsWith(`${key}: expected`)), `${key}: ${read.faults}`);
 }
-assert.equal((await link.read("stubbornness=1.5&eta=2000000", catalogue)).faults.length, 2, "numbers beyond what the program takes");
+assert.equal((await link.read("stubbornness=1.5&eta=2000000&alpha=11&period=0.001", catalogue)).faults.length, 4, "numbers beyond what the program takes");
+read = await link.read("t=9.4&object=1,2.5,-3&carry=1", catalogue);
+assert.deepEqual([read.view, read.faults], [{ t: 9.4, object: [1, 2.5, -3] }, []]);
+assert.equal((await link.read("t=x&object=1,2", catalogue)).faults.length, 2);
+assert.match(await link.written(chosen, log, 10), /&t=10$/);
 // no link unpacks to more than a page can bear, and a long one is not read
-const bomb = await link.packed("a".repeat(5 << 20));
+const bomb = await packed("a".repeat(5 << 20));
 assert.equal((await link.read(`file=${bomb}`, catalogue)).faults.length, 1);
 assert.match((await link.read(`file=${"A".repeat(1 << 19)}`, catalogue)).faults[0], /characters/);
 console.log("addresses: what cannot be has a sentence");

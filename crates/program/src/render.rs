@@ -48,6 +48,10 @@ pub(super) struct RenderArguments {
     /// shapes of links that have meshes]
     #[arg(long, value_name = "FILE")]
     robot: Option<PathBuf>,
+    /// Address of the page that runs the simulator, for "Take over from here" in a player: http://, https://, or
+    /// relative to the player where both are published [default: that of `cocarry demo`, http://127.0.0.1:8790/]
+    #[arg(long, value_name = "ADDRESS", value_parser = address)]
+    demo: Option<String>,
     #[command(flatten)]
     overwrite: OverwriteArguments,
 }
@@ -78,6 +82,23 @@ pub(super) struct Form<'a> {
     pub instants: Option<u32>,
     /// The robot's file, for its meshes.
     pub robot: Option<&'a Path>,
+    /// The address of the page that runs the simulator.
+    pub demo: Option<&'a str>,
+}
+
+/// An address of a page.
+fn address(text: &str) -> Result<String, String> {
+    let expected =
+        "expected http://..., https://... or a relative address, as in ../demo/, without # and spaces";
+    let scheme = text.split(['/', '?']).next().unwrap_or_default().split_once(':');
+    let is_known = scheme.is_none_or(|(scheme, _)| ["http", "https"].contains(&scheme));
+    match is_known
+        && !text.is_empty()
+        && !text.contains(|c: char| c == '#' || c.is_whitespace() || c.is_control())
+    {
+        true => Ok(text.to_owned()),
+        false => Err(expected.to_owned()),
+    }
 }
 
 /// A width with its unit.
@@ -112,10 +133,12 @@ impl Target {
     fn check(&self, form: Form) -> Result<(), Failure> {
         let is_strip = matches!(self.kind, PictureKind::StripSvg | PictureKind::StripPng);
         let is_picture = is_strip || self.kind == PictureKind::Moving;
+        let is_player = self.kind == PictureKind::Player;
         let misplaced = [
             ("--instants", form.instants.is_some() && !is_strip, ".svg and .png"),
             ("--width", form.width.is_some() && !is_picture, ".svg, .png and .gif"),
-            ("--robot", form.robot.is_some() && self.kind != PictureKind::Player, ".html"),
+            ("--robot", form.robot.is_some() && !is_player, ".html"),
+            ("--demo", form.demo.is_some() && !is_player, ".html"),
         ];
         match misplaced.into_iter().find(|(_, is_misplaced, _)| *is_misplaced) {
             None => Ok(()),
@@ -143,7 +166,8 @@ impl Target {
         let rendered: Result<Vec<u8>, cocarry::Error> = match self.kind {
             PictureKind::Player => {
                 let robot = form.robot.map(Robot::load).transpose().map_err(input)?;
-                rendering::player(&playback, &title, robot.as_ref()).map(String::into_bytes)
+                let demo = form.demo.map_or_else(rendering::demo_address, str::to_owned);
+                rendering::player(&playback, &title, robot.as_ref(), &demo).map(String::into_bytes)
             }
             PictureKind::StripSvg => {
                 rendering::filmstrip_svg(&playback, instants, width).map(String::into_bytes)
@@ -157,8 +181,8 @@ impl Target {
 }
 
 pub(super) fn run_render(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
-    let RenderArguments { recording, output, width, instants, robot, overwrite } = arguments;
-    let form = Form { width: *width, instants: *instants, robot: robot.as_deref() };
+    let RenderArguments { recording, output, width, instants, robot, demo, overwrite } = arguments;
+    let form = Form { width: *width, instants: *instants, robot: robot.as_deref(), demo: demo.as_deref() };
     output.check(form)?;
     let inputs = [Some(recording), robot.as_ref()].into_iter().flatten().map(PathBuf::as_path);
     let outputs = overwrite.outputs(inputs, [&output.file])?;

@@ -41,7 +41,7 @@ pub(super) fn run_replay(arguments: &ReplayArguments) -> Result<ExitCode, Failur
     let other = match replayed.arithmetic.as_deref() {
         Some(theirs) if theirs == ours => String::new(),
         Some(theirs) => format!(
-            "recorded with arithmetic {theirs}, run again with {ours}: the last bits of their results differ\n"
+            "recorded with arithmetic {theirs}, run again with {ours}: the last bits of their results may differ\n"
         ),
         None => "the recording does not name its arithmetic: an older version wrote it\n".to_owned(),
     };

@@ -50,7 +50,7 @@ pub(super) fn run_log(arguments: &ReplayArguments) -> Result<ExitCode, Failure> 
     let other = match &*log.arithmetic {
         theirs if theirs.is_empty() || theirs == ours => String::new(),
         theirs => format!(
-            "logged with arithmetic {theirs}, run again with {ours}: the last bits of their results differ\n"
+            "logged with arithmetic {theirs}, run again with {ours}: the last bits of their results may differ\n"
         ),
     };
     let so_far = format!("{}, up to {:.1} s", counted(same, "digest"), seconds(&prepared, &episode));

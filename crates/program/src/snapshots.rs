@@ -55,7 +55,7 @@ impl SnapshotArguments {
         let (theirs, ours) = (&snapshot.arithmetic, arithmetic::stamp());
         if theirs != ours {
             warn(&format!(
-                "{} was saved with arithmetic {theirs}, this program has {ours}: the episode does not resume bit-identically",
+                "{} was saved with arithmetic {theirs}, this program has {ours}: the episode may not resume bit-identically",
                 file.display()
             ));
         }

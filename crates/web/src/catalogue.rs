@@ -8,6 +8,7 @@ use cocarry::policy::METHODS;
 use cocarry::preference::Predictor;
 use cocarry::scenario::{Applies, Kind, PERCEPTION, PlantKind, Range, SETTINGS, Scenario, Setting, Word};
 use cocarry::world::BUILT_IN_WORLDS;
+use cocarry::{arithmetic, bounds};
 use cocarry_output::{figure, player};
 use serde_json::{Value, json};
 
@@ -21,7 +22,7 @@ pub fn catalogue() -> Value {
     let defaults = Scenario::defaults();
     json!({
         "version": env!("CARGO_PKG_VERSION"),
-        "arithmetic": cocarry::arithmetic::stamp(),
+        "arithmetic": arithmetic::stamp(),
         "worlds": BUILT_IN_WORLDS.iter().map(|w| json!({ "name": w.name, "text": w.text })).collect::<Vec<_>>(),
         "robots": words(&robots::names()),
         "plants": words(&plants),
@@ -31,9 +32,20 @@ pub fn catalogue() -> Value {
         "settings": SETTINGS.iter().map(|setting| described(setting, &defaults)).collect::<Vec<_>>(),
         "belief": { "alpha": alpha, "gamma": gamma },
         "perception": range(&PERCEPTION),
+        "max_bytes": {
+            "world": bounds::WORLD.bytes(),
+            "scenario": bounds::SCENARIO.bytes(),
+            "log": bounds::DECISIONS.bytes(),
+        },
         "measures": figure::measures(),
         "colours": player::colours(),
     })
+}
+
+/// The stamp of the arithmetic, and digests of its parts.
+pub fn arithmetic() -> Value {
+    let parts = arithmetic::parts().into_iter().map(|(name, digest)| (name.to_owned(), digest.into()));
+    json!({ "stamp": arithmetic::stamp(), "parts": Value::Object(parts.collect()) })
 }
 
 fn words(words: &[Word]) -> Value {

@@ -331,7 +331,7 @@ impl Open {
         let (prepared, Running(episode)) = (self.cell.borrow_owner(), self.cell.borrow_dependent());
         let options = current_options(episode, &self.at_start);
         let prospects = options.iter().map(|o| Prospect::new(o.remaining.length, o.remaining.risk));
-        plane(&prospects.collect::<Vec<_>>(), &prepared.scenario().settings.predictor)
+        plane(&prospects.collect::<Vec<_>>(), episode.ways(), &prepared.scenario().settings.predictor)
     }
 
     /// Names, world, options, robot, warnings and the fields of the state.

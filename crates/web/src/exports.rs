@@ -28,6 +28,11 @@ pub extern "C" fn cocarry_catalogue() -> u32 {
 }
 
 #[unsafe(no_mangle)]
+pub extern "C" fn cocarry_arithmetic() -> u32 {
+    json(|_| Ok(catalogue::arithmetic()))
+}
+
+#[unsafe(no_mangle)]
 pub extern "C" fn cocarry_world() -> u32 {
     json(|module| world::world(module.take_json("the request of a world")?))
 }

@@ -50,6 +50,13 @@ impl Steering {
     }
 }
 
+impl Steered {
+    /// Whether the decisions of a step are repeated: a log may have more than are asked for.
+    fn is_logged(&self, step: u64) -> bool {
+        step < self.logged_steps
+    }
+}
+
 /// A human whom somebody outside may steer. Stubbornness is that of the scenario's human.
 #[derive(Clone, Debug)]
 pub struct SteeredHuman {
@@ -65,6 +72,7 @@ impl Human for SteeredHuman {
         let mut steered = self.steering.now();
         let most = view.prospects.len().saturating_sub(1);
         let logged = steered.log.human(view.step, steered.is_trial).copied();
+        let logged = logged.filter(|_| steered.is_logged(view.step));
         let decision = logged.unwrap_or(HumanDecision {
             option: steered.option.unwrap_or(own.option),
             stance: steered.stance.unwrap_or(own.stance),
@@ -83,7 +91,7 @@ impl Human for SteeredHuman {
     fn hand(&mut self, view: &HandView<'_>) -> Option<Point> {
         let own = self.human.hand(view);
         let mut steered = self.steering.now();
-        if steered.step < steered.logged_steps && steered.log.has_human() {
+        if steered.is_logged(steered.step) && steered.log.has_human() {
             return steered.log.hand(steered.step, view.period[0]);
         }
         let target = steered.hand.or(own);
@@ -130,6 +138,7 @@ impl RobotPolicy for SteeredPolicy {
         let own = self.policy.decide(view);
         let mut steered = self.steering.now();
         let logged = steered.log.policy(view.step, steered.is_trial).copied();
+        let logged = logged.filter(|_| steered.is_logged(view.step));
         let decision =
             logged.or(steered.lead.map(|lead| Decision { lead, ..Decision::follow() })).unwrap_or(own);
         steered.was_outside[1] |= logged.is_some() || decision != own;

@@ -4,7 +4,9 @@ use crate::parts::{BeliefPart, SettingsPart, predictor};
 use cocarry::Error;
 use cocarry::episode::{OptionTick, prospects};
 use cocarry::options::OptionSet;
-use cocarry::preference::{ChoiceDistribution, Perception, Predictor, Prospect, Regions, objective_cost};
+use cocarry::preference::{
+    ChoiceDistribution, Perception, Predictor, Prospect, Regions, Ways, objective_cost,
+};
 use cocarry::world::{BuiltInWorld, World};
 use cocarry_output::player;
 use serde::Deserialize;
@@ -76,7 +78,7 @@ pub fn world(request: Request) -> Result<Value, Error> {
     drawn["options_cut"] = set.is_cut.into();
     drawn["options"] = options.iter().enumerate().map(of_option).collect();
     if regions {
-        drawn["regions"] = plane(&prospects(&set, &set.begin()), &predictor);
+        drawn["regions"] = plane(&prospects(&set, &set.begin()), &Ways::default(), &predictor);
     }
     Ok(drawn)
 }
@@ -98,10 +100,10 @@ pub fn evaluated(set: &OptionSet, predictor: &mut Predictor) -> Vec<OptionTick> 
     (0..set.options().len()).map(option).collect()
 }
 
-/// R_o over the ranges of the belief.
-pub fn plane(prospects: &[Prospect], predictor: &Predictor) -> Value {
+/// R_o over the ranges of the belief. Options that have become one of the `ways` are the one that represents them.
+pub fn plane(prospects: &[Prospect], ways: &Ways, predictor: &Predictor) -> Value {
     let [alpha, gamma] = predictor.belief().ranges();
-    let regions = Regions::new(prospects, predictor.risk_weight(), alpha, gamma);
+    let regions = Regions::of_ways(prospects, ways, predictor.risk_weight(), alpha, gamma);
     let line = |line: &[Perception]| line.iter().map(|p| json!([p.alpha, p.gamma])).collect::<Vec<_>>();
     json!({
         "alpha": regions.alpha,

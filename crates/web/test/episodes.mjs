@@ -3,6 +3,7 @@
 import { BY_SCENARIO, LEADS, OVER, STANCES, STEP_DONE } from "./cocarry.js";
 
 const learn = { belief_update: "learn" };
+const STIFF = { state_weight: 1e6, input_weight: 1e-6 };
 
 /** Name, parts of the scenario, and decisions before a control period, by the planning step begun. */
 export const EPISODES = [
@@ -15,6 +16,10 @@ export const EPISODES = [
   ["kinematic, porter", { world: "free-form", plant: "kinematic", robot: "porter", settings: learn }],
   ["kinematic, shuttle", { world: "environment-1", plant: "kinematic", robot: "shuttle", settings: { control_period_s: 0.1 } }],
   ["kinematic, whole body", { world: "environment-3", plant: "kinematic", settings: { pose: "whole-body", pose_weight: 2, avoid: "robot" } }],
+  // weights with which the active-set method of eq. (7) does not converge: clarabel solves 135 programs (tests/suite/web.rs)
+  ["kinematic, fallback", { world: "environment-1", plant: "kinematic", settings: { ...STIFF, control_period_s: 0.05 } }],
+  // and one without a solution: `fallback_steps` of its summary is 1
+  ["kinematic, no solution", { world: "environment-3", plant: "kinematic", settings: { ...STIFF, speed_m_per_s: 1 } }],
   ["bodies", { world: "environment-1" }],
   ["bodies, learning", { world: "environment-4", alpha: 0.747, gamma: 0.765, settings: { ...learn, eta: 5 } }],
   ["bodies, omni", { world: "environment-2", robot: "omni-carrier", belief: { alpha: "normal(0.75,0.1,0.55,0.95)" } }],

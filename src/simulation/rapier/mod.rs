@@ -18,7 +18,7 @@ mod noise;
 mod observation;
 mod parts;
 mod ramp;
-mod sample;
+pub(crate) mod sample;
 mod scene;
 mod settings;
 mod touch;
@@ -26,7 +26,6 @@ mod touch;
 pub use dimensions::{HAND_RADIUS, TORSO_AHEAD, TORSO_HEIGHT, TORSO_RADIUS};
 pub use human::HumanCommand;
 pub use observation::{BodyKind, Clearance, Clearances, Contact, Failure, Forces, Observation, Part, Wrench};
-pub use sample::sample_motion;
 pub use scene::PhysicalPlant;
 pub use settings::{HumanSettings, PhysicsSettings};
 

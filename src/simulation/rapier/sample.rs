@@ -11,14 +11,9 @@ use rapier3d::prelude::{
 /// Number of physics steps.
 const STEPS: usize = 40;
 
-/// Final positions and velocities of the bodies, and what parry makes of inertia tensors and convex hulls.
-pub fn sample_motion() -> Vec<f64> {
-    [moved(), principal_inertias(), hull()].concat()
-}
-
-/// Principal inertias and their frames. parry takes them with the system's `acos` and `cos`, which no feature of
+/// Principal inertias of bodies and their frames. parry takes them with the system's `acos` and `cos`, which no feature of
 /// it replaces: a stamp without them would not tell such machines apart.
-fn principal_inertias() -> Vec<f64> {
+pub fn principal_inertias() -> Vec<f64> {
     let of = |i: u8| {
         let x = 0.1 * f64::from(i);
         let tensor = Matrix::from_cols(
@@ -34,7 +29,7 @@ fn principal_inertias() -> Vec<f64> {
 }
 
 /// Mass and inertia of the hull of points of no symmetry: parry finds its first tetrahedron in principal axes.
-fn hull() -> Vec<f64> {
+pub fn hull() -> Vec<f64> {
     let points: Vec<Vector> = (0..12)
         .map(|i| 0.37 * f64::from(i))
         .map(|x| Vector::new(math::cos(3.0 * x), math::sin(2.0 * x), math::cos(5.0 * x + 1.0)))
@@ -47,7 +42,8 @@ fn hull() -> Vec<f64> {
     of(hull.expect("twelve points in space have a hull"))
 }
 
-fn moved() -> Vec<f64> {
+/// Final positions and velocities of the bodies.
+pub fn moved() -> Vec<f64> {
     let mut world = PhysicsWorld::new();
     world.gravity = Vector::new(0.0, 0.0, -GRAVITY);
     world.insert_collider(

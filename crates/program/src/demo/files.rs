@@ -6,9 +6,9 @@ use std::borrow::Cow;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// The built page: names and contents. `crates/web/build` writes the list.
+/// The built page: names and contents. `build.rs` writes the list.
 #[cfg(feature = "page")]
-const BUILT: &[(&str, &[u8])] = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../viewer/dist/page.rs"));
+const BUILT: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/page.rs"));
 
 /// Where the page is in a clone of the project.
 const IN_CLONE: &str = "viewer/dist/page";

@@ -7,14 +7,12 @@ use super::interrupt::Interrupt;
 use super::output::{Failure, examples, input, print, print_message};
 use anyhow::{Context, anyhow};
 use clap::Args;
+use cocarry_recording::rendering::DEMO_PORT;
 use files::Pages;
 use server::Server;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::path::PathBuf;
 use std::process::{Command, ExitCode, Stdio};
-
-/// The port that is tried first.
-const PORT: u16 = 8790;
 
 /// Open a page in the browser in which episodes run, to watch, to change and to steer
 #[derive(Args, Debug)]
@@ -54,7 +52,7 @@ pub(super) fn run_demo(arguments: &DemoArguments) -> Result<ExitCode, Failure> {
 fn listen(port: Option<u16>) -> anyhow::Result<TcpListener> {
     let bind = |port| TcpListener::bind(SocketAddr::from((Ipv4Addr::LOCALHOST, port)));
     match port {
-        None => bind(PORT).or_else(|_| bind(0)).map_err(|error| anyhow!("no port is free: {error}")),
+        None => bind(DEMO_PORT).or_else(|_| bind(0)).map_err(|error| anyhow!("no port is free: {error}")),
         Some(port) => bind(port).map_err(|error| {
             anyhow!("--port {port}: {error}; use another port, or leave --port out to take a free one")
         }),

@@ -1,10 +1,11 @@
 //! An episode read back from its recording, for pictures and the player: the scenario, the poses over time,
 //! the JSON messages of every step, and the events as the recording words them.
 
+use super::decisions::{self, DECISIONS};
 use super::frames::{HAND, HUMAN, OBJECT, TORSO, WORLD, link_frame};
-use super::{Channel, ReadError, Reader, decode, scenario};
+use super::{Channel, Entry, ReadError, Reader, decode, scenario};
 use cocarry::geometry::{PlanarPose, Point, Pose};
-use cocarry::scenario::PreparedScenario;
+use cocarry::scenario::{Decisions, PreparedScenario};
 use cocarry_output::bodies::{Bodies, torso_ahead_of};
 use nalgebra::{Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
 use serde_json::Value;
@@ -30,6 +31,8 @@ pub struct Playback {
     pub events: Vec<RecordedEvent>,
     /// How the episode ended; `None` where the recording ends before the episode did.
     pub outcome: Option<String>,
+    /// The decisions of partners that the scenario does not describe, or that somebody steered; empty without any.
+    pub decisions: Decisions,
     messages: BTreeMap<Channel, Vec<(u64, Value)>>,
 }
 
@@ -75,8 +78,15 @@ impl Playback {
         let mut ahead = Vec::new();
         let mut events = Vec::new();
         let mut outcome = None;
+        let mut log = Decisions::default();
         let mut messages: BTreeMap<Channel, Vec<(u64, Value)>> = BTreeMap::new();
         while let Some(entry) = reader.next()? {
+            if let Entry::Attachment(attachment) = &entry {
+                if attachment.name == DECISIONS {
+                    log = decisions::read(reader, attachment)?;
+                }
+                continue;
+            }
             let Some(message) = entry.message() else { continue };
             let Some(channel) = Channel::of_topic(&message.channel.topic) else { continue };
             let time = message.time;
@@ -118,7 +128,8 @@ impl Playback {
                 }
             }
         }
-        let mut playback = Self { prepared, frames: Vec::new(), ahead, events, outcome, messages };
+        let mut playback =
+            Self { prepared, frames: Vec::new(), ahead, events, outcome, decisions: log, messages };
         playback.frames = match playback.prepared.robot() {
             None => playback.frames_of_a_point(),
             Some(_) => transforms.iter().filter_map(|(time, poses)| playback.frame(*time, poses)).collect(),

@@ -10,6 +10,7 @@ mod learned;
 mod pictures;
 mod player;
 mod robot;
+mod take_over;
 
 pub use layout::viewer_layout;
 pub use pictures::{
@@ -17,3 +18,4 @@ pub use pictures::{
 };
 pub use player::{player, stimulus_page};
 pub use robot::robot_page;
+pub use take_over::{DEMO_PORT, demo_address};

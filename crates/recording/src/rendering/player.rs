@@ -1,6 +1,7 @@
 //! The 3-D player: one self-contained HTML page, which is the built page of `viewer/` with the episode in it.
 
 use super::learned::learned;
+use super::take_over::take_over;
 use crate::recording::{Channel, Frame, Playback};
 use cocarry::Error;
 use cocarry::error::Place;
@@ -19,12 +20,14 @@ const PLACE: &str = "__EPISODE__";
 
 /// The page that plays an episode in three dimensions. `title` names the recording. `robot` is the recorded
 /// robot loaded from its file, so that its meshes can be found; without it, links whose visual shapes are
-/// meshes are drawn with their collision shapes. Equal recordings give equal bytes.
+/// meshes are drawn with their collision shapes. `demo` is the address of the page that runs the simulator, in which
+/// the reader takes over from the human: [`demo_address`](super::demo_address), or where that page is published,
+/// also relative to this one. Equal recordings give equal bytes.
 ///
 /// # Errors
 /// The robot is another one, or a mesh cannot be read.
-pub fn player(playback: &Playback, title: &str, robot: Option<&Robot>) -> Result<String, Error> {
-    Ok(filled(&episode(playback, title, robot)?))
+pub fn player(playback: &Playback, title: &str, robot: Option<&Robot>, demo: &str) -> Result<String, Error> {
+    Ok(filled(&episode(playback, title, robot, demo)?))
 }
 
 /// As [`player`], for participants of a study: the scene alone, with no figure, event or path of the episode.
@@ -78,7 +81,7 @@ pub(super) fn filled(episode: &Value) -> String {
     PAGE.replacen(PLACE, &text, 1)
 }
 
-fn episode(playback: &Playback, title: &str, robot: Option<&Robot>) -> Result<Value, Error> {
+fn episode(playback: &Playback, title: &str, robot: Option<&Robot>, demo: &str) -> Result<Value, Error> {
     let prepared = &playback.prepared;
     let (world, scenario) = (prepared.world(), prepared.scenario());
     let mut found_robot = None;
@@ -124,6 +127,7 @@ fn episode(playback: &Playback, title: &str, robot: Option<&Robot>) -> Result<Va
             "time_s": seconds(event.time), "about": event.about, "sentence": event.sentence,
         })).collect::<Vec<_>>(),
         "outcome": playback.outcome,
+        "take_over": take_over(playback, demo)?,
     });
     if let Some(learned) = learned(playback) {
         episode["learned"] = learned;

@@ -100,7 +100,7 @@ impl SweepError {
     /// Rows that were calculated with another arithmetic than those of `other`.
     pub(super) fn other_arithmetic(file: String, found: String, other: String, expected: String) -> Self {
         let sentence = format_args!(
-            "calculated with arithmetic {found}, {other} has {expected}: the last bits of their results differ; run all rows on machines and a version with the same arithmetic (--overwrite starts again)"
+            "calculated with arithmetic {found}, {other} has {expected}: the last bits of their results may differ; run all rows on machines and a version with the same arithmetic (--overwrite starts again)"
         );
         Self::of_file(file, sentence)
     }
