@@ -1,6 +1,7 @@
 //! Files of others, damaged in every way that a few lines can think of: each is read or refused, in little
 //! time, and never ends the program. `COCARRY_MUTANTS=20000` makes more of them than the suite has,
-//! `COCARRY_SOAK_SECONDS=600` goes on for so long; with `COCARRY_READER=stl` of one kind only.
+//! `COCARRY_SOAK_SECONDS=600` goes on for so long; with `COCARRY_READER=stl` of one kind only, with
+//! `COCARRY_SEED=2` other ones.
 
 use crate::hostile_meshes::{DAE, with_mesh};
 use crate::recording::{encoded, example, rapier, unpacked};
@@ -9,7 +10,8 @@ use cocarry::episode::Settings;
 use cocarry::geometry::Point;
 use cocarry::options::OptionSet;
 use cocarry::robot::Robot;
-use cocarry::scenario::{Plant, Scenario, Snapshot};
+use cocarry::human::{HumanDecision, Stance};
+use cocarry::scenario::{EpisodeLog, Plant, Scenario, Snapshot};
 use cocarry::world::World;
 use cocarry_maps::{Ends, from_map};
 use cocarry_recording::recording::{Contents, Playback, ReadError, Reader, columns, recover, replay};
@@ -47,8 +49,10 @@ const WORDS: [&str; 16] = [
     "]]>",
 ];
 
-fn count(in_suite: usize) -> usize {
-    std::env::var("COCARRY_MUTANTS").ok().and_then(|count| count.parse().ok()).unwrap_or(in_suite)
+/// A number from the environment.
+fn asked(variable: &str) -> Option<u64> {
+    let text = std::env::var(variable).ok()?;
+    Some(text.parse().unwrap_or_else(|_| panic!("{variable}={text}: expected a number")))
 }
 
 /// A copy with one to four changes: of a byte, of a number or word, of a part that is left out, repeated, moved
@@ -107,11 +111,11 @@ fn try_all(in_suite: usize, seeds: &[(&str, Vec<u8>)], mut reads: impl FnMut(&st
     if seeds.is_empty() {
         return;
     }
-    let seconds = std::env::var("COCARRY_SOAK_SECONDS").ok().and_then(|seconds| seconds.parse().ok());
-    let until = seconds.map(|seconds| clock() + Duration::from_secs(seconds));
-    let mut rng = ChaCha8Rng::seed_from_u64(20_260_801);
+    let until = asked("COCARRY_SOAK_SECONDS").map(|seconds| clock() + Duration::from_secs(seconds));
+    let mut rng = ChaCha8Rng::seed_from_u64(asked("COCARRY_SEED").unwrap_or(20_260_801));
     let (mut read, mut longest) = (0, Duration::ZERO);
-    let mut count = if until.is_some() { usize::MAX } else { count(in_suite) };
+    let asked = asked("COCARRY_MUTANTS").map_or(in_suite, |count| count as usize);
+    let mut count = if until.is_some() { usize::MAX } else { asked };
     for i in 0.. {
         if i == count || i >= seeds.len() && until.is_some_and(|until| clock() > until) {
             count = i;
@@ -127,7 +131,7 @@ fn try_all(in_suite: usize, seeds: &[(&str, Vec<u8>)], mut reads: impl FnMut(&st
         assert!(is_read || i >= seeds.len(), "seed {i} (.{extension}) is refused");
         read += usize::from(is_read);
     }
-    if until.is_some() {
+    if until.is_some() || count > in_suite {
         eprintln!("{}: {read} of {count} are read, in {longest:?} at most", seeds[0].0);
     }
     // seeds are read, and some mutants are not
@@ -299,6 +303,16 @@ fn results(folder: &Path) -> Vec<u8> {
     std::fs::read(rows).unwrap()
 }
 
+/// A log of the page: two decisions of a human who leads to a place.
+fn log(scenario: &Scenario) -> Vec<u8> {
+    let human = HumanDecision { stance: Stance::TakeOver, hand: Some(Point::new(2.5, 1.0)), ..HumanDecision::following(1) };
+    let log = serde_json::json!({
+        "version": 1, "scenario": scenario.text().unwrap(), "arithmetic": cocarry::arithmetic::stamp(), "steps": 3,
+        "decisions": { "human": [human, HumanDecision::following(0)] }, "digests": [[3, "0123456789abcdef"]], "outcome": "tick-limit",
+    });
+    log.to_string().into_bytes()
+}
+
 #[test]
 fn texts_that_are_damaged_are_read_or_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -317,6 +331,7 @@ fn texts_that_are_damaged_are_read_or_refused() {
         ("answers", of("docs/data/simulated-answers.csv")),
         ("switches", of("docs/data/simulated-switches.csv")),
         ("rows", results(folder.path())),
+        ("log", log(&scenario)),
         ("snapshot", {
             let prepared = scenario.clone().prepare().unwrap();
             let mut episode = prepared.episode().unwrap();
@@ -353,6 +368,13 @@ fn texts_that_are_damaged_are_read_or_refused() {
             "answers" => AnswerFile::read(&path(kind)).map(drop).map_err(drop),
             "switches" => SwitchFile::read(&path(kind)).map(drop).map_err(drop),
             "rows" => Summary::load(&path(kind)).map(drop).map_err(drop),
+            "log" => serde_json::from_slice::<EpisodeLog>(bytes).map_err(drop).and_then(|log| {
+                let prepared = log.checked("log").and_then(|scenario| scenario.prepare()).map_err(drop)?;
+                let mut episode =
+                    prepared.episode_of(log.decisions.partners(&prepared)).map_err(drop)?;
+                let _ = (0..log.steps.min(5)).find(|_| episode.step().is_some());
+                Ok(())
+            }),
             _ => {
                 // a right checksum, so that what is changed is looked at
                 let mut bytes = bytes[..bytes.len().saturating_sub(4)].to_vec();

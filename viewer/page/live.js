@@ -145,4 +145,6 @@ export class LiveEpisode extends Episode {
   }
 }
 
-const known = (value) => (Number.isFinite(value) ? value : null);
+// A person's decisions in a log may have any number: what is beyond is no figure of an episode.
+const MAX_FIGURE = 1e9;
+const known = (value) => (Math.abs(value) <= MAX_FIGURE ? value : null);

@@ -2,7 +2,7 @@
 // touch or keys. It shows the team as well, and stands in for the three-dimensional view where there is none.
 import { element } from "../src/charts.js";
 import { escaped, symbol } from "../src/episode.js";
-import { apart } from "../src/lines.js";
+import { apart, spacing } from "../src/lines.js";
 import { luminance } from "../src/labels.js";
 import { isMovable } from "./edit.js";
 
@@ -35,7 +35,7 @@ export class WorldMap {
   fit() {
     const { world, options } = this.drawn;
     const places = [world.start, world.target, ...options.flatMap(({ path }) => path)];
-    const ends = [0, 1].map((axis) => places.map((place) => place[axis])).map((values) => [Math.min(...values) - MARGIN_M, Math.max(...values) + MARGIN_M]);
+    const ends = [0, 1].map((axis) => places.reduce(([low, high], { [axis]: value }) => [Math.min(low, value - MARGIN_M), Math.max(high, value + MARGIN_M)], [Infinity, -Infinity]));
     this.ends = ends;
     const { clientWidth: width, clientHeight: height } = this.svg;
     if (!width || !height) return;
@@ -71,8 +71,9 @@ export class WorldMap {
     const { clientWidth: width, clientHeight: height } = svg;
     const [west, north] = this.floor(svg.getBoundingClientRect().left, svg.getBoundingClientRect().top);
     let grid = "";
-    for (let x = Math.ceil(west); this.at([x, 0])[0] < width; x++) grid += `M${this.at([x, 0])[0].toFixed(1)} 0V${height}`;
-    for (let y = Math.floor(north); this.at([0, y])[1] < height; y--) grid += `M0 ${this.at([0, y])[1].toFixed(1)}H${width}`;
+    const step = spacing(Math.max(width, height) / this.scale);
+    for (let x = step * Math.ceil(west / step); this.at([x, 0])[0] < width; x += step) grid += `M${this.at([x, 0])[0].toFixed(1)} 0V${height}`;
+    for (let y = step * Math.floor(north / step); this.at([0, y])[1] < height; y -= step) grid += `M0 ${this.at([0, y])[1].toFixed(1)}H${width}`;
     element("path", { d: grid }, layers.ground);
     options.map((_, o) => o).sort((a, b) => (options[b].probability ?? 0) - (options[a].probability ?? 0)).forEach((o) => {
       const { path, colour, dash, probability } = options[o];

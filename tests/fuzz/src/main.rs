@@ -16,7 +16,7 @@ use std::sync::LazyLock;
 /// What reads a file's bytes.
 type Read = fn(&[u8]);
 
-const READERS: [(&str, Read); 20] = [
+const READERS: [(&str, Read); 21] = [
     ("answers", results::answers),
     ("baseline", texts::baseline),
     ("columns", results::columns),
@@ -24,6 +24,7 @@ const READERS: [(&str, Read); 20] = [
     ("drawing", |bytes| maps::map("map.svg", bytes)),
     ("grid", |bytes| maps::map("map.yaml", bytes)),
     ("image", maps::image),
+    ("log", texts::log),
     ("obj", |bytes| robots::mesh("mesh.obj", bytes)),
     ("plan", |bytes| maps::map("map.geojson", bytes)),
     ("playback", recordings::playback),

@@ -2,6 +2,7 @@
 
 use crate::maps::{YAML, graymap};
 use cocarry::episode::Settings;
+use cocarry::human::{HumanDecision, Stance};
 use cocarry::scenario::{Plant, Scenario};
 use cocarry::world::World;
 use cocarry_recording::recording::{Ending, Recorder};
@@ -21,6 +22,16 @@ fn scenario() -> Scenario {
     let world = World::find(Path::new("environment-4"), "environment-4").expect("a world");
     let settings = Settings { tick_limit: Some(3), ..Settings::default() };
     Scenario { seed: 1, world: world.into(), settings, plant: Plant::Point, ..Scenario::defaults() }
+}
+
+/// A log of the page: a human who leads to a place, then follows.
+fn log() -> String {
+    let leads = HumanDecision { stance: Stance::TakeOver, hand: Some([2.5, 1.0].into()), ..HumanDecision::following(1) };
+    let decisions = serde_json::json!({ "human": [leads, HumanDecision::following(0)] });
+    let log = serde_json::json!({
+        "version": 1, "scenario": scenario().text().expect("a scenario"), "steps": 2, "decisions": decisions,
+    });
+    log.to_string()
 }
 
 fn recording() -> Vec<u8> {
@@ -106,6 +117,7 @@ pub fn write(reader: &str, folder: &Path) {
         "plan" => vec![PLAN.into()],
         "grid" => vec![YAML.into()],
         "image" => vec![graymap(), b"P2\n3 1\n255 0 205 254\n".to_vec()],
+        "log" => vec![log().into()],
         "obj" => vec![OBJ.into()],
         "stl" => vec![STL.into(), binary_stl()],
         "study" => vec![STUDY.into()],

@@ -1,7 +1,7 @@
 //! Texts of settings: worlds, scenarios, studies, baselines.
 
 use cocarry::options::OptionSet;
-use cocarry::scenario::Scenario;
+use cocarry::scenario::{EpisodeLog, Scenario};
 use cocarry::world::World;
 use cocarry_studies::regression::Baseline;
 use cocarry_studies::study::Study;
@@ -27,6 +27,14 @@ pub fn scenario(bytes: &[u8]) {
     if let Ok(prepared) = scenario.prepare() {
         let _ = prepared.episode();
     }
+}
+
+/// A log of the page: checked, and run again for a few steps.
+pub fn log(bytes: &[u8]) {
+    let Ok(log) = serde_json::from_slice::<EpisodeLog>(bytes) else { return };
+    let Ok(prepared) = log.checked("log").and_then(Scenario::prepare) else { return };
+    let Ok(mut episode) = prepared.episode_of(log.decisions.partners(&prepared)) else { return };
+    let _ = (0..log.steps.min(5)).find(|_| episode.step().is_some());
 }
 
 pub fn study(bytes: &[u8]) {

@@ -4,17 +4,18 @@
 //! web page of others cannot read it by a name of its own that leads here (DNS rebinding).
 
 use super::files::Pages;
+use std::collections::BTreeMap;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 /// The largest head of a request, bytes, and the longest time to wait for it and to send an answer.
 const MAX_HEAD_BYTES: usize = 16 << 10;
 const PATIENCE: Duration = Duration::from_secs(5);
-/// The largest number of connections at a time; more are closed.
+/// The largest number of connections at a time; the oldest makes room for another.
 const MAX_CONNECTIONS: usize = 64;
 /// The time to wait where the system has no more descriptors.
 const BETWEEN_TRIES: Duration = Duration::from_millis(50);
@@ -30,13 +31,32 @@ pub(super) struct Server {
     thread: Option<JoinHandle<()>>,
 }
 
-/// One connection of those at a time.
-struct Counted(Arc<AtomicUsize>);
+/// The connections that are open, in the order in which they came.
+#[derive(Default)]
+struct Connections {
+    next: u64,
+    open: BTreeMap<u64, TcpStream>,
+}
 
-impl Drop for Counted {
-    fn drop(&mut self) {
-        self.0.fetch_sub(1, Ordering::SeqCst);
+impl Connections {
+    /// Notes a connection. Where there are many, the oldest is closed, so that nobody can keep others out by
+    /// sending or reading nothing.
+    fn enter(&mut self, stream: &TcpStream) -> io::Result<u64> {
+        let stream = stream.try_clone()?;
+        if self.open.len() >= MAX_CONNECTIONS
+            && let Some((_, oldest)) = self.open.pop_first()
+        {
+            let _ = oldest.shutdown(Shutdown::Both);
+        }
+        let id = self.next;
+        self.next += 1;
+        self.open.insert(id, stream);
+        Ok(id)
     }
+}
+
+fn held(connections: &Mutex<Connections>) -> MutexGuard<'_, Connections> {
+    connections.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Server {
@@ -44,26 +64,27 @@ impl Server {
     pub fn start(listener: TcpListener, pages: Pages) -> io::Result<Self> {
         let address = listener.local_addr()?;
         let is_open = Arc::new(AtomicBool::new(true));
-        let (of_thread, pages, count) = (is_open.clone(), Arc::new(pages), Arc::new(AtomicUsize::new(0)));
+        let (of_thread, pages) = (is_open.clone(), Arc::new(pages));
+        let connections = Arc::new(Mutex::new(Connections::default()));
         let thread = std::thread::Builder::new().spawn(move || {
             for stream in listener.incoming() {
                 if !of_thread.load(Ordering::SeqCst) {
                     break;
                 }
-                let Ok(stream) = stream else {
+                let entered = stream.and_then(|stream| Ok((held(&connections).enter(&stream)?, stream)));
+                let Ok((id, stream)) = entered else {
                     std::thread::sleep(BETWEEN_TRIES);
                     continue;
                 };
-                let counted = Counted(count.clone());
-                if count.fetch_add(1, Ordering::SeqCst) >= MAX_CONNECTIONS {
-                    continue;
-                }
-                let pages = pages.clone();
+                let (pages, of_connection) = (pages.clone(), connections.clone());
                 // a connection that breaks, or finds no thread, concerns its browser only
-                let _ = std::thread::Builder::new().spawn(move || {
-                    let _counted = counted;
+                let served = std::thread::Builder::new().spawn(move || {
                     let _ = serve(stream, &pages, address.port());
+                    held(&of_connection).open.remove(&id);
                 });
+                if served.is_err() {
+                    held(&connections).open.remove(&id);
+                }
             }
         })?;
         Ok(Self { address, is_open, thread: Some(thread) })
@@ -208,6 +229,25 @@ mod tests {
         }
         let answer = asked("HEAD / HTTP/1.1\r\nhost: localhost:PORT\r\n\r\n");
         assert!(answer.contains("Content-Length: 8\r\n") && answer.ends_with("\r\n\r\n"), "{answer}");
+    }
+
+    /// Connections that send nothing, or do not read their answers.
+    #[test]
+    fn nobody_keeps_a_browser_out() {
+        static LARGE: [u8; 8 << 20] = [0; 8 << 20];
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+        let pages = Pages::Built(&[("index.html", b"the page"), ("large", &LARGE)]);
+        let server = Server::start(listener, pages).unwrap();
+        let connect = || TcpStream::connect(server.address()).unwrap();
+        let ask = |stream: &mut TcpStream, path: &str| {
+            write!(stream, "GET {path} HTTP/1.1\r\nHost: {}\r\n\r\n", server.address()).unwrap();
+        };
+        let mut others: Vec<_> = (0..200).map(|_| connect()).collect();
+        others.iter_mut().step_by(2).for_each(|stream| ask(stream, "/large"));
+        let (mut stream, mut answer) = (connect(), String::new());
+        ask(&mut stream, "/");
+        stream.read_to_string(&mut answer).unwrap();
+        assert!(answer.ends_with("the page"), "{answer}");
     }
 
     #[test]

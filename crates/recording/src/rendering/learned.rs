@@ -6,6 +6,8 @@ use serde_json::{Value, json};
 
 /// The human model whose alpha and gamma decide nothing.
 const SCRIPTED: &str = "scripted";
+/// The largest number of cells along either side of the plane of alpha and gamma.
+const MAX_SIDE: usize = 256;
 /// The figures of a message that the player shows.
 const FIGURES: [&str; 8] = [
     "alpha_mean",
@@ -22,10 +24,12 @@ const FIGURES: [&str; 8] = [
 pub(super) fn learned(playback: &Playback) -> Option<Value> {
     let messages = playback.messages(Channel::Learned);
     let (_, first) = messages.iter().find(|(_, message)| is_complete(&message["human"]))?;
+    let cells = |message: &Value| message["human"]["density"].as_array().map_or(0, Vec::len);
+    let is_shown = |message: &Value| is_complete(&message["human"]) && cells(message) == cells(first);
     // the plane changes seldom, and is large; eta changes in every step under the robot's lead
     let mut planes: Vec<(&Value, Value)> = Vec::new();
     let mut beliefs = Vec::new();
-    for (time, message) in messages.iter().filter(|(_, message)| is_complete(&message["human"])) {
+    for (time, message) in messages.iter().filter(|(_, message)| is_shown(message)) {
         let human = &message["human"];
         let density = &human["density"];
         if planes.last().is_none_or(|(last, _)| *last != density) {
@@ -60,7 +64,7 @@ fn is_complete(human: &Value) -> bool {
     });
     let is_square = human["density"].as_array().is_some_and(|cells| {
         let side = cells.len().isqrt();
-        side > 0 && side * side == cells.len() && cells.iter().all(is_figure)
+        (1..=MAX_SIDE).contains(&side) && side * side == cells.len() && cells.iter().all(is_figure)
     });
     has_figures && is_square && ["alpha_range", "gamma_range"].iter().all(|key| is_range(&human[key]))
 }
