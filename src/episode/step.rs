@@ -27,9 +27,9 @@ impl Episode<'_> {
         ended
     }
 
-    /// The first part of a step, up to the human's decision; then the policy, or a caller in its place, may
-    /// [see](Episode::robot_view) it. Returns the outcome once the episode has ended. Nothing happens if the
-    /// step has begun. [`Episode::state`] is valid between whole steps only.
+    /// Takes the first part of a step, up to the human's decision. Then the policy, or a caller in its place,
+    /// decides by [`Episode::robot_view`]. Returns the outcome once the episode has ended. Does nothing if
+    /// the step has begun. [`Episode::state`] is valid between whole steps only.
     pub fn begin_step(&mut self) -> Option<Outcome> {
         if self.begun.is_some() || self.carried.is_some() {
             return None;
@@ -52,7 +52,8 @@ impl Episode<'_> {
         Begun { evaluated, predicted, human, stubbornness }
     }
 
-    /// The second part of a step that has begun, by this decision. Without a first part nothing happens.
+    /// Takes the second part of a step that has begun, by the decision `lead`. Does nothing if no step has
+    /// begun.
     pub fn finish_step(&mut self, lead: &Decision) {
         self.lead_step(lead); //                                           the path
         while self.carry_period() {} //                                    q*, u, x            eq. (8), (7)

@@ -38,7 +38,7 @@ impl Episode<'_> {
         Some(view(self.now(), step, begun, self.options, &self.progress, self.plant.observe()))
     }
 
-    /// The decision of the episode's policy in a step that has begun; between steps, to follow.
+    /// The decision of the episode's policy in a step that has begun; between steps, the decision to follow.
     pub fn ask_policy(&mut self) -> Decision {
         let now = self.now();
         let Some(begun) = &self.begun else { return Decision::follow() };

@@ -79,10 +79,10 @@ const POINTS: usize = 24;
 
 /// The belief over eta.
 ///
-/// A task says that eta lies in an interval, except with the lapse rate: the human then acts in this task like
-/// another human, drawn from the prior. The density relative to the prior is a step function, so all figures
-/// are sums of closed forms, but for the expected stubbornness, which is integrated by a Gauss rule on each
-/// step.
+/// A task shows that eta lies in an interval. With the lapse rate as probability it is uninformative: the
+/// human then acts in this task like another human, drawn from the prior. The density relative to the prior
+/// is a step function, so all figures are sums of closed forms, but for the expected stubbornness, which is
+/// integrated by a Gauss rule on each step.
 #[derive(Clone, Debug)]
 pub struct Tolerance {
     prior: TolerancePrior,
@@ -133,7 +133,7 @@ impl Tolerance {
         self.refresh();
     }
 
-    /// The interval of eta that every task leaves, the present one last.
+    /// The interval of eta that every task shows, the present task last.
     pub fn tasks(&self) -> &[[f64; 2]] {
         &self.tasks
     }

@@ -13,7 +13,7 @@ use toml::{Spanned, Value};
 
 /// The key.
 const KEY: &str = "base_footprint";
-/// The corners that a list may have, and a footprint around shapes at most has.
+/// The least number of corners of a list, the largest number, and the largest number around shapes.
 const FEWEST_CORNERS: usize = 3;
 const MAX_CORNERS: usize = 64;
 const MAX_CORNERS_OF_SHAPES: usize = 32;

@@ -146,7 +146,8 @@ pub(super) struct NoRoom {
     needed: f64,
     /// How far from `start_m` or `target_m` an obstacle may be in the way, m.
     length: f64,
-    /// By how much less room on either side would do to turn onto the path, m; unknown where even none does.
+    /// The room on either side that is missing to turn onto the path, m; `None` if the team could not turn
+    /// even without any room.
     pub to_turn: Option<f64>,
 }
 

@@ -15,7 +15,7 @@ const EARLY_MARGIN: f64 = 0.01;
 /// A disc that strings bend around.
 #[derive(Clone, Debug)]
 pub(in crate::options) struct Disc {
-    /// The parts of obstacles that it is around.
+    /// The parts of obstacles around which it lies.
     pub own: Vec<usize>,
     pub center: Point,
     pub radius: f64,
@@ -68,7 +68,7 @@ impl Disc {
         })
     }
 
-    /// Whether the point `at` of the circle is certainly none that a taut string touches. This is quicker than
+    /// Whether a taut string certainly does not touch the circle at its point `at`. This is quicker than
     /// [`Disc::is_taut`] and leaves cases within rounding to it.
     pub fn is_slack(&self, at: Point) -> bool {
         const ROUNDING: f64 = 1e-9;
