@@ -131,6 +131,9 @@ impl Episode<'_> {
         self.memory = (evaluated, predicted);
     }
 
+    /// Moves everybody by one control period: first the controller's command, then the human, then the plant.
+    /// Returns how far the team came along the path, m, and the robot's part of the tick, if there is a robot.
+    /// `period`: as [`Episode::periods`].
     fn carry_one_period(
         &mut self,
         begun: &Begun,

@@ -72,7 +72,7 @@ fn normal_between(from: f64, to: f64) -> f64 {
 pub const MAX_TASKS: usize = 256;
 
 /// Deviations beyond which the prior is not integrated.
-const FARTHEST: f64 = 9.0;
+const MAX_DEVIATIONS: f64 = 9.0;
 
 /// Nodes of the rule for a step.
 const POINTS: usize = 24;
@@ -207,7 +207,7 @@ impl Tolerance {
 
     /// The eta up to which there is this probability.
     pub fn quantile(&self, probability: f64) -> f64 {
-        let (mut below, mut above) = (-FARTHEST, FARTHEST);
+        let (mut below, mut above) = (-MAX_DEVIATIONS, MAX_DEVIATIONS);
         for _ in 0..60 {
             let middle = 0.5 * (below + above);
             let eta = self.prior.median * math::exp(self.prior.log_std * middle);
@@ -226,7 +226,8 @@ impl Tolerance {
         let part = |([low, high], ratio): ([f64; 2], f64)| {
             let split = exhausted.clamp(low, high);
             let certain = if split > low { self.prior.probability([low, split]) } else { 0.0 };
-            let [from, to] = [self.prior.z(split), self.prior.z(high)].map(|z| z.clamp(-FARTHEST, FARTHEST));
+            let [from, to] =
+                [self.prior.z(split), self.prior.z(high)].map(|z| z.clamp(-MAX_DEVIATIONS, MAX_DEVIATIONS));
             let half = 0.5 * (to - from);
             let mut sum = 0.0;
             for (node, weight) in &self.rule {

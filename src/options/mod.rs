@@ -250,7 +250,7 @@ impl OptionSet {
             Some((crossing, Exit::Axis(end))) => {
                 (end - progress.position).norm() + self.after_gap(crossing, rest, way).length
             }
-            Some((_, Exit::Beside(end))) => {
+            Some((_, Exit::OffAxis(end))) => {
                 (end - progress.position).norm() + self.beyond_point(end, rest, way).length
             }
         };
@@ -303,12 +303,12 @@ impl OptionSet {
                 chosen(self.beyond_point(at, rest, way))
             }
             Some((crossing, exit)) => {
-                let (Exit::Axis(end) | Exit::Beside(end)) = exit;
+                let (Exit::Axis(end) | Exit::OffAxis(end)) = exit;
                 path.line(at, end);
                 at = end;
                 match exit {
                     Exit::Axis(_) => chosen(self.after_gap(crossing, rest, way)),
-                    Exit::Beside(_) => chosen(self.beyond_point(end, rest, way)),
+                    Exit::OffAxis(_) => chosen(self.beyond_point(end, rest, way)),
                 }
             }
         };
