@@ -1,6 +1,6 @@
-//! A human who steers: for a minute, the hand goes at 0.5 m/s on a circle of 1.4 m radius beside the start of
-//! each environment, then up and down the hall there, and wiggles by 50 degrees to either side. The robot
-//! follows it.
+//! A human who steers: for a minute, the hand goes at 0.5 m/s on a circle of 1.4 m radius to the right of the
+//! start of each environment, then up and down the hall there, and wiggles by 50 degrees to either side. The
+//! robot follows it.
 //!
 //! ```text
 //! cargo run --release --example follow_hand

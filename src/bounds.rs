@@ -1,14 +1,15 @@
-//! The files that are read, each kind with its bounds: the longest one, and the memory and time that reading one takes.
+//! The bounds of every kind of input file: its length, and the memory and time that reading it takes.
 //!
 //! Every reader takes its limit from here, the book's page about untrusted files shows the list, and a test
-//! for each kind reads its worst file within its memory and time, and is refused one that is longer.
+//! for each kind reads its worst file within its memory and time, and checks that a longer file is refused.
 
 /// How long a file of a kind may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Length {
-    /// It is in memory as a whole: so many bytes at most.
+    /// The largest number of bytes of a file that is read into memory as a whole.
     AtMost(u64),
-    /// It is read piece by piece, however long it is. Memory and time are for so many bytes.
+    /// The number of bytes for which memory and time are stated, of a file that is read piece by piece at any
+    /// length.
     For(u64),
 }
 
@@ -54,7 +55,7 @@ pub const SETTINGS: FileBounds =
     FileBounds::new("robot file, study, baseline (TOML)", AtMost(1 << 20), 1000, 60);
 /// A URDF, also what a xacro expands to.
 pub const URDF: FileBounds = FileBounds::new("URDF", AtMost(16 << 20), 1500, 60);
-/// A xacro while it is expanded by the program of that name; its length is that of what is printed.
+/// A xacro while the program `xacro` expands it; the length is that of the program's output.
 pub const XACRO: FileBounds = FileBounds::new("xacro, expanded with `--xacro`", AtMost(16 << 20), 2048, 30);
 /// A mesh.
 pub const MESH: FileBounds = FileBounds::new("mesh (STL, OBJ, COLLADA)", AtMost(64 << 20), 2000, 60);

@@ -18,7 +18,7 @@ pub(crate) fn to_vec<T: Serialize>(value: &T) -> Result<Vec<u8>, Box<dyn Error +
 /// A value from CBOR.
 ///
 /// # Errors
-/// It is no CBOR of that type, or too deep.
+/// It is not CBOR of that type, or nested too deeply.
 pub(crate) fn from_slice<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Box<dyn Error + Send + Sync>> {
     if is_deep(bytes) {
         return Err(format!("its values are nested deeper than {MAX_DEPTH}").into());
@@ -26,7 +26,7 @@ pub(crate) fn from_slice<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Box<dyn
     minicbor_serde::from_slice(bytes).map_err(|error| error.to_string().into())
 }
 
-/// Whether items are nested too deep. Behind what is no CBOR, where the parser stops, nothing is looked at.
+/// Whether items are nested too deep. Bytes after invalid CBOR, where the parser stops, are not examined.
 fn is_deep(bytes: &[u8]) -> bool {
     // the numbers of items that are left in each list; `None` up to a break
     let mut open: Vec<Option<u64>> = Vec::new();

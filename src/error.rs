@@ -93,8 +93,8 @@ impl Error {
         Self::bad(place, format_args!("{key} = {value}"), expected)
     }
 
-    /// A name that is not known, such as of a `kind` "link". The error lists the first `most` of the known
-    /// ones.
+    /// An unknown name of something of this `kind`, such as "link". The error lists the first `most` known
+    /// names.
     pub fn unknown<'n>(
         place: Place,
         kind: &str,

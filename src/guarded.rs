@@ -1,5 +1,5 @@
-//! Parsers of others, kept from ending the program: on a thread with a stack of its own, where a panic is an
-//! error.
+//! Runs third-party parsers so that they cannot end the program: on a thread with its own stack, where a
+//! panic becomes an error.
 
 use std::any::Any;
 use std::cell::Cell;
@@ -11,12 +11,12 @@ use std::thread;
 const STACK: usize = 16 << 20;
 
 thread_local! {
-    /// Whether panics of this thread are errors, which say nothing themselves.
+    /// Whether panics of this thread become errors; their message is then not printed.
     static IS_GUARDED: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Runs a parser of others on a thread of its own. Its input must be bounded: neither a parser that does not
-/// end nor one that takes all memory can be stopped.
+/// Runs a third-party parser on its own thread. Its input must be bounded: neither a parser that does not end
+/// nor one that takes all memory can be stopped.
 ///
 /// # Errors
 /// The words of its panic.
@@ -55,7 +55,7 @@ pub fn here<T>(act: impl FnOnce() -> T) -> Result<T, String> {
 
 const NO_WORDS: &str = "no reason is given";
 
-/// What a panic says.
+/// The message of a panic.
 fn words(panic: &(dyn Any + Send)) -> &str {
     let words = panic.downcast_ref::<String>().map(String::as_str);
     words.or(panic.downcast_ref::<&str>().copied()).unwrap_or(NO_WORDS)

@@ -1,4 +1,4 @@
-//! The names that a format knows at the place where a TOML file has another one, for "did you mean".
+//! For "did you mean": the names that a file format allows at the place where a TOML file has an unknown one.
 
 use crate::suggestion;
 use serde::de::value::{MapAccessDeserializer, MapDeserializer, SeqDeserializer};

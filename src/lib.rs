@@ -1,5 +1,5 @@
 //! A simulator of a human and a mobile manipulator that carry an object together through openings between
-//! obstacles, and prefer different paths.
+//! obstacles but prefer different paths.
 //!
 //! `cocarry` implements the framework of A. J. Mahmud, W. Li and X. Wang, *Mutual Adaptation in Human-Robot
 //! Co-Transportation with Human Preference Uncertainty*, and reproduces its tables. Equation numbers in this
@@ -17,7 +17,7 @@
 //! Data flows upward: a module uses only floors below its own.
 //!
 //! ```text
-//! quantities     every figure of a control period and an episode: key, unit, getter; events as sentences
+//! quantities     every figure of a planning step and an episode: key, unit, getter; events as sentences
 //! scenario       the complete definition of an episode, as text; snapshots; episodes from both
 //! episode        THE LOOP: observe, evaluate, predict, ask the human, ask the policy, execute, control, move
 //! controller     the robot's controllers: eqs. (8) and (7) by what is seen, who leads, and P_o
@@ -41,7 +41,7 @@
 //! ```
 //!
 //! This crate has no C code, no clock and no randomness from the operating system, and is for WebAssembly too
-//! (`crates/web/build` makes a module of it). Packages of their own stand on it: output files and drawings
+//! (`crates/web/build` makes a module of it). Other packages build on it: output files and drawings
 //! (`crates/output`), recordings (`crates/recording`), studies (`crates/studies`) and the program
 //! (`crates/program`).
 //!
@@ -72,7 +72,7 @@
 //! | G_o, eq. (7) | [`control::Plan::cost`] | - |
 //! | Q (candidates), q*, eq. (8) | [`control::Neighbourhood::candidates`], [`control::PoseOptimiser`] | - |
 //! | C (Sec. V-C) | [`episode::ControlSummary::cost`] | - |
-//! | k | [`episode::Tick::step`], one planning step of 0.2 s | - |
+//! | k | [`episode::Tick::step`], one planning step, by default 0.2 s | - |
 //!
 //! ```
 //! use cocarry::episode::{Outcome, Settings, run};

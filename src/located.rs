@@ -50,7 +50,7 @@ fn hinted(path: &Path, error: io::Error) -> io::Error {
     if hint.is_empty() { error } else { io::Error::new(error.kind(), format!("{error}{hint}")) }
 }
 
-/// As [`read`], of a file that need not be text.
+/// As [`read`], for a file that need not be text.
 ///
 /// # Errors
 /// The system's, also if the file is longer than its kind may be, or not a regular file.

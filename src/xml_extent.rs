@@ -14,8 +14,8 @@ pub struct XmlExtent {
 }
 
 impl XmlExtent {
-    /// The check of a text, by the grammar that `roxmltree` parses. Behind an error of the grammar, where that
-    /// stops, nothing is looked at.
+    /// The check of a text, by the grammar that `roxmltree` parses. Text after a grammar error, where that
+    /// parser stops, is not examined.
     ///
     /// # Errors
     /// What exceeds the extent, as a sentence without the file.

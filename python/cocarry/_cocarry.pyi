@@ -51,7 +51,7 @@ class World:
     """A world: obstacles, openings, start and target. Shows itself as its map in a notebook."""
 
     def __new__(cls, world: _Path = ...) -> Self:
-        """Reads a world file (TOML), or takes a built-in world: environment-1 to environment-4.
+        """Reads a world file (TOML), or takes a built-in world: environment-1 to environment-4, or free-form.
 
         Raises WorldError with the file, the line, the item and the numbers.
         """
@@ -94,7 +94,7 @@ class World:
 
 @final
 class Robot:
-    """A mobile manipulator on two driven wheels."""
+    """A mobile manipulator: a wheeled base with an arm."""
 
     def __new__(cls, file: _Path | None = None, *, xacro: bool = False) -> Self:
         """Reads a robot file (TOML) with its URDF, or takes the built-in robot. A xacro is refused, unless ``xacro`` is
@@ -276,7 +276,7 @@ class Episode:
         Raises RecordingError: the file exists or cannot be written, or the episode has begun.
         """
     def recording(self) -> bytes:
-        """The recording of the episode so far (MCAP). Runs it again from its start, with copies of own
+        """The recording of the episode so far (MCAP). Runs it again from its start, with copies of custom
         partners."""
     def to_html(self, title: str = "episode") -> str:
         """The 3-D player of the episode so far, as one page. Runs the episode again, as ``recording`` does.
@@ -294,7 +294,7 @@ class Episode:
 
 @disjoint_base
 class View:
-    """What both a custom policy and a custom human see at the beginning of a control period.
+    """What both a custom policy and a custom human see at the beginning of a planning step.
 
     Every quantity of ``quantities("option")`` is an attribute and an item: an array of one number for each
     option (NaN where missing), as ``view.objective_cost_m``; ``view.name`` is a list of names. ``len`` counts
@@ -315,21 +315,21 @@ class View:
         """The executed option; None before the first step."""
     @property
     def mode(self) -> str:
-        """Who led in the last period: robot-led or human-led."""
+        """Who led in the last planning step: robot-led or human-led."""
     @property
     def hand(self) -> _Floats | None:
         """world_from_hand, (4, 4); the physical plant only."""
     @property
     def hand_wrench(self) -> _Floats | None:
-        """Mean force (N) and torque (Nm) of the human on the object in the last period, (6,), world axes;
-        physical."""
+        """Mean force (N) and torque (Nm) of the human on the object in the last planning step, (6,), world axes; the
+        physical plant only."""
     def __getattr__(self, key: str, /) -> Any: ...
     def __getitem__(self, key: str, /) -> Any: ...
     def __len__(self) -> int: ...
 
 @final
 class RobotView(View):
-    """What a custom policy sees at the beginning of a control period: that of View, and the robot."""
+    """What a custom policy sees at the beginning of a planning step: that of View, and the robot."""
 
     def path(self, option: int) -> _Floats | None:
         """The remaining path of an option, (n, 2), m, from the team to the target; None where no path leads
@@ -355,12 +355,12 @@ class RobotView(View):
         """world_from_object, (4, 4), x from the robot's end to the human's; the physical plant only."""
     @property
     def grip_wrench(self) -> _Floats | None:
-        """Mean force (N) and torque (Nm) of the robot on the object in the last period, (6,), world axes;
-        physical."""
+        """Mean force (N) and torque (Nm) of the robot on the object in the last planning step, (6,), world axes; the
+        physical plant only."""
 
 @final
 class HumanView(View):
-    """What a custom human sees at the beginning of a control period: that of View, and the human's own."""
+    """What a custom human sees at the beginning of a planning step: that of View, and what only the human knows."""
 
     @property
     def risk_weight_m(self) -> float:
@@ -399,8 +399,8 @@ class HandView:
 
 @final
 class Preference:
-    """How humans choose between options, if their alpha and gamma are distributed as the belief says (Sec.
-    III, IV-A)."""
+    """How humans choose between options, if their alpha and gamma are distributed like the belief (Sec. III,
+    IV-A)."""
 
     def __new__(
         cls,
@@ -478,7 +478,7 @@ class Recording:
 
     @property
     def provenance(self) -> dict[str, str]:
-        """What it says about its origin."""
+        """Its origin: crate_version, arithmetic (its stamp), seed, world, plant and method, by key."""
     @property
     def topics(self) -> dict[str, int]:
         """The number of messages by topic."""
@@ -582,7 +582,7 @@ def arithmetic_stamp() -> str:
 class Rows:
     """The results of a study whose episodes run elsewhere: a file that grows in the order of episodes.
 
-    Raises StudyError, also where the file is there already, or is of another study, or another process writes it.
+    Raises StudyError, also if the file exists already, belongs to another study, or is written by another process.
     """
 
     def __new__(
@@ -595,7 +595,7 @@ class Rows:
     def episodes(self) -> int:
         """The number of episodes."""
     def files(self, path: _Path) -> list[pathlib.Path]:
-        """The files that the study reads, where its own is ``path``."""
+        """The files that the study reads, if the study file is ``path``."""
     def append(self, rows: bytes) -> None:
         """Appends the lines of the next episodes. Raises StudyError if one is not the next, or damaged."""
     def finish(self, table: bool) -> Table | None:

@@ -13,7 +13,7 @@ from cocarry._cocarry import HandView, HumanView, RobotView
 
 @dataclass(frozen=True)
 class Decision:
-    """A decision of the robot's policy in a control period.
+    """A decision of the robot's policy in a planning step.
 
     lead: the option on which the robot leads, an index or a name; None or ``"human"``: the human leads, on the
         option preferred now; ``"human-keeping-option"``: on the option chosen at the start.
@@ -33,7 +33,7 @@ class Decision:
 
 @dataclass(frozen=True)
 class HumanDecision:
-    """A decision of the human in a control period.
+    """A decision of the human in a planning step.
 
     option: the option that the human prefers, an index or a name.
     stance: the response to the robot's lead. By default the human takes over once stubbornness exceeds 1.
@@ -66,7 +66,7 @@ class Policy:
     predicts: bool = False
 
     def decide(self, view: RobotView) -> Decision | int | str | None:
-        """The decision at the beginning of a control period: an option to lead on, None to follow, or a Decision."""
+        """The decision at the beginning of a planning step: an option to lead on, None to follow, or a Decision."""
         raise NotImplementedError
 
     def save(self) -> bytes:
@@ -88,8 +88,8 @@ class Human:
         raise NotImplementedError
 
     def hand(self, view: HandView) -> tuple[float, float] | None:
-        """Target of the hand (x, y) at the end of a control period, m, in the world, on the physical plant; None: on
-        the straight way to the decision's, or with the leader."""
+        """Target of the hand (x, y) at the end of a control period, m, in the world, on the physical plant; None:
+        straight to the target of the decision, or, if that has none, with the leader."""
         return None
 
     def save(self) -> bytes:

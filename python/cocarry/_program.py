@@ -1,4 +1,4 @@
-"""The commands whose results are JSON: the paper's claims and fits, run by the program in a process of their own."""
+"""The commands whose results are JSON: the paper's claims and fits, run by the program in a separate process."""
 
 from __future__ import annotations
 
@@ -35,7 +35,8 @@ def _flags(options: dict[str, Any]) -> list[str]:
 
 
 def reproduce(claim: str, **options: Any) -> dict[str, Any]:
-    """Reproduces a claim of the paper: ``h1`` (Table I), ``h2`` (II), ``h3`` (III), ``contacts`` or ``cycles``.
+    """Reproduces a claim of the paper: ``h1`` (Table I), ``h2`` (II), ``h3`` (III), ``cycles``, or a study that is not in the
+    paper: ``guide``, ``h4``, ``contacts``, ``slots`` or ``starts``.
 
     Options are those of ``cocarry reproduce CLAIM --help``, with underscores: ``reproduce("h2", seed=1)``.
     Returns what ``--json`` prints. Raises Error with the program's message.

@@ -40,7 +40,7 @@ class Settings(TypedDict, total=False):
     """Parts of the robot that its MPC keeps out of obstacles. Default: robot."""
 
     physics_rate_hz: float
-    """Physics steps per second; a control period takes the nearest whole number of them. Default: 100.0."""
+    """Physics steps per second; a control period takes a whole number of them, and the remainder goes into the next. Default: 100.0."""
 
     solver_iterations: int
     """Solver iterations in a physics step over grips and contacts; arm and base are solved exactly. Default: 12."""
@@ -103,7 +103,7 @@ class Settings(TypedDict, total=False):
     """The robot's belief during the episode. Default: prior."""
 
     belief_lapse: float
-    """Lapse rate l of the robot's belief: with probability l, a human takes any option. Above 0, a robot that learns assumes it of what it sees, too. Default: 0.0."""
+    """Lapse rate l of the robot's belief: with probability l, a human takes any option. Above 0, a robot that learns uses the same rate for its sightings. Default: 0.0."""
 
     belief_rationality: float
     """Rationality beta of the robot's belief: P_o is that of humans who choose with probability proportional to exp(-beta J^), as boltzmann(beta) does [default: infinite, eq. (4)]."""

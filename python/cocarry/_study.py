@@ -77,15 +77,15 @@ def sweep(
         They and the partners must be importable there (spawn).
     policy, human: custom partners, as of Episode, in all episodes. Every episode has copies of them. The columns
         ``method`` and ``human_model`` are then ``own(NAME)``, and ``checksum`` is empty.
-    out: write the rows into this file too, as ``cocarry sweep --out``: Parquet if its name ends in ``.parquet``, else
-        CSV. A sweep that was stopped, by Ctrl-C or a power cut, resumes where it stopped. Only for the study's own
-        partners.
+    out: write the rows into this file too, as ``cocarry sweep --output``: Parquet if its name ends in ``.parquet``, else
+        CSV. A sweep that was stopped, by Ctrl-C or a power cut, resumes where it stopped. Not with
+        custom partners.
     ticks: write every tick of every episode into this new folder, as ``cocarry sweep --ticks``: Parquet files of 100
         episodes each. Needs out.
     overwrite: replace existing outputs, and unfinished ones of another study.
     backend: "ray" runs blocks of episodes on a Ray cluster instead, and writes their rows here. Workers that die are
-        replaced; a sweep that was stopped resumes. The rows are those of this machine, byte for byte. Only for the
-        study's custom partners. The study's files that are next to it or below are sent along.
+        replaced; a sweep that was stopped resumes. The rows are those of this machine, byte for byte. Not with custom
+        partners. The study's files that are next to it or below are sent along.
     address: of the Ray cluster, as of ``ray.init``; by default RAY_ADDRESS, or a cluster of this machine alone.
     progress: True for a bar, or a callable of the episodes done and all.
     table: False returns None instead of the rows, for studies whose rows do not fit into memory: a million take 1 GB.

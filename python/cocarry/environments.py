@@ -160,7 +160,7 @@ class OptionsEnv(_Env):
         self.action_space = spaces.Discrete(lanes.options + 1)
 
     def step(self, action: Any) -> tuple[_Floats, float, bool, bool, dict[str, Any]]:
-        """One control period (0.2 s)."""
+        """One planning step (0.2 s by default)."""
         given = np.asarray(action)
         return self._step(given.reshape(1).astype(np.int64) if given.shape in ((), (1,)) and given.dtype.kind in "iu" else given)
 
@@ -175,7 +175,7 @@ class CarryEnv(_Env):
     ``action="reference"``: velocity of the grasp's reference in the grasp's frame, ahead and to the left (limit 1 m/s)
     and turning (2 rad/s), which eq. (7) follows over its horizon.
     Observation: Box, float64, in the frame of the grasp (``observation_names``): joints, last inputs, the goal of the
-    grasp, the path ahead for 8 control periods (0 before the first step), the base and its clearance, who leads, and on
+    grasp, the path ahead for 8 planning steps (0 before the first step), the base and its clearance, who leads, and on
     the physical plant object, hand, and the hand's force and torque.
     """
 
@@ -202,7 +202,7 @@ class CarryEnv(_Env):
         self.action_limits = lanes.limits
 
     def step(self, action: Any) -> tuple[_Floats, float, bool, bool, dict[str, Any]]:
-        """One control period (0.2 s)."""
+        """One planning step (0.2 s by default)."""
         given = np.asarray(action)
         return self._step(given[np.newaxis].astype(np.float64) if given.dtype.kind in "fiu" else given)
 
@@ -253,7 +253,7 @@ class _VectorEnv(VectorEnv[_Floats, Any, NDArray[Any]]):
         return self._observations(), info
 
     def step(self, actions: NDArray[Any]) -> tuple[_Floats, _Floats, NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
-        """One control period (0.2 s) of every environment."""
+        """One planning step (0.2 s by default) of every environment."""
         self._check_open()
         lanes = self._lanes
         lanes.step(actions)

@@ -1,6 +1,6 @@
 """PettingZoo: robot and human are both agents, ``cocarry.pettingzoo.parallel_env()``.
 
-The planning level. In every control period both agents act at once. The robot chooses the option to lead on, or follows;
+The planning level. In every planning step both agents act at once. The robot chooses the option to lead on, or follows;
 the human chooses the option preferred, and whether to follow, to resist (the team stands still) or to take over. The
 robot's reward is minus ``objective_weight`` J, the human's minus ``subjective_weight`` J^ with the human's alpha and
 gamma (eq. 1 and 2). Stubbornness phi grows by eq. (5); it is shown, and forces nobody.
@@ -94,7 +94,7 @@ class CocarryEnv(ParallelEnv):  # type: ignore[misc]
         return self._observations(), {agent: self._lanes.episode(0) for agent in self.agents}
 
     def step(self, actions: dict[str, Any]) -> tuple[dict[str, Any], dict[str, float], dict[str, bool], dict[str, bool], dict[str, Any]]:
-        """One control period (0.2 s)."""
+        """One planning step (0.2 s by default)."""
         if not self.agents:
             raise _cocarry.ClosedError("the environment has no episode; call reset() first")
         missing = [agent for agent in self.agents if agent not in actions]

@@ -1,4 +1,4 @@
-"""A human of one's own: one who takes the lead only where an option is worse than the best by a tenth."""
+"""A custom human, who takes the lead only where the executed option costs over a tenth more than the best."""
 
 import cocarry
 

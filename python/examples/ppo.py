@@ -8,7 +8,7 @@ objective and subjective cost. Training draws seeds below 2^32; the humans of th
 A policy is the network after its last update, with its most probable action. Costs are compared human by human.
 The intervals are 95 %: of PPO and random over training seeds (Student's t), of the methods over humans (normal).
 
-``--steps 250000 --seeds 4 --checks 5`` takes 88 s on two cores: PPO costs 62 +- 360 more than eq. (6), so does not beat it.
+``--steps 250000 --seeds 4 --checks 5`` takes 88 s on two cores: PPO costs 62 +- 360 more than eq. (6), and so does not beat it.
 """
 
 from __future__ import annotations
@@ -146,7 +146,7 @@ def train(seed: int, steps: int, lanes: int, checks: int, humans: int) -> dict:
 
 
 def interval(differences: np.ndarray, factor: float) -> list[float]:
-    """Mean, and half of the interval."""
+    """Mean, and half the width of the interval."""
     half = factor * differences.std(ddof=1) / np.sqrt(len(differences)) if len(differences) > 1 else np.nan
     return [float(differences.mean()), float(half)]
 

@@ -1,4 +1,4 @@
-"""Table II of the paper: accumulated objective cost (m) over 40 x 40 humans; ``cocarry reproduce h2``'s expectation."""
+"""Table II of the paper: accumulated objective cost (m) over 40 x 40 humans, the expectation of ``cocarry reproduce h2``."""
 
 import cocarry
 

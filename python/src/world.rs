@@ -119,8 +119,9 @@ pub fn world_of(given: &Bound<'_, PyAny>) -> PyResult<world::World> {
     match given.extract::<PathBuf>() {
         Ok(path) => load_world(&path),
         Err(_) => Err(WorldError::new_err(format!(
-            "world = {}; it must be a world file, a built-in world (environment-1 to environment-4) or a cocarry.World",
-            repr(given)
+            "world = {}; it must be a world file, a built-in world ({}) or a cocarry.World",
+            repr(given),
+            world::BUILT_IN_WORLDS.iter().map(|world| world.name).collect::<Vec<_>>().join(", ")
         ))),
     }
 }

@@ -18,7 +18,7 @@ use nalgebra::Rotation3;
 /// Look-ahead distances along the path, m. The longest rolls most smoothly but cuts corners most: it is used
 /// unless the base would come too near to an obstacle.
 const LOOK_AHEADS_M: [f64; 3] = [0.65, 0.45, 0.3];
-/// Where every one does, these are tried as well. If they do not help, the one with the most room is used.
+/// Tried as well where all of those come too near. If these do too, the one with the most room is used.
 const SHORT_LOOK_AHEADS_M: [f64; 2] = [0.2, 0.12];
 /// Time over which the base looks out for obstacles, s.
 const LOOK_OUT_S: f64 = 1.2;
@@ -38,7 +38,8 @@ pub const TURN_PRICE: f64 = 100.0;
 /// Weight of the squared deviation (m/s, rad/s) from the base's inputs that follow the path.
 pub const GUIDE_PRICE: f64 = 1e4;
 
-/// Weight of the squared violation (m) of a bound on the distance from there, as of an obstacle's.
+/// Weight of the squared violation (m) of the bound on the distance from where those inputs lead; that of an
+/// obstacle's bound.
 const GUIDE_WIDTH_PRICE: f64 = 1e6;
 
 /// A base that follows a path.

@@ -1,8 +1,9 @@
 //! A small quadratic program over non-negative numbers. No other file uses clarabel.
 //!
-//! The inequality-constrained eq. (7) has 72 inputs, but its dual has only one multiplier for each constraint
-//! that may be active: minimise 1/2 m' D m - c' m over m >= 0. Programs are padded to a few sizes, and a
-//! solver is kept for each size. Later programs of that size reuse its symbolic factorisation and its memory.
+//! The inequality-constrained eq. (7) has 72 unknowns for nine inputs, but its dual has only one multiplier
+//! for each constraint that may be active: minimise 1/2 m' D m - c' m over m >= 0. Programs are padded to a
+//! few sizes, and a solver is kept for each size. Later programs of that size reuse its symbolic
+//! factorisation and its memory.
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus};

@@ -1,7 +1,8 @@
-//! The robot's controller: from what is seen, who leads where, and what the human may choose, to a command.
+//! The robot's controller: it computes a command from what is seen, who leads where, and what the human may
+//! choose.
 //!
-//! Implement [`Controller`] to carry with a control law of your own on any plant; [`References`] has the
-//! motion that the grasp should make. Pass it to an episode with
+//! Implement [`Controller`] to carry with your own control law on any plant; [`References`] has the motion
+//! that the grasp should make. Pass it to an episode with
 //! [`EpisodeBuilder::with_controller`](crate::episode::EpisodeBuilder::with_controller).
 
 mod guide;
@@ -24,7 +25,8 @@ use crate::robot::Configuration;
 use crate::saved::{RestoreError, Saved};
 use crate::team::{Travel, Walk};
 
-/// A controller of the robot, asked in every control period. A clone continues independently and identically.
+/// A controller of the robot, called in every control period. A clone continues independently and
+/// identically.
 pub trait Controller: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
     /// Whether it needs P_o while the human leads.
     fn anticipates(&self) -> bool {
@@ -74,7 +76,7 @@ pub struct Way<'s> {
     pub travel: Travel,
     /// How the team walks.
     pub walk: &'s dyn Walk,
-    /// The control period within the planning step, from 0, and their number.
+    /// The index of the control period within the planning step, from 0, and the number of periods in a step.
     pub period: [u32; 2],
 }
 

@@ -25,24 +25,30 @@ const RECONFIGURATION_SHARE: f64 = 0.25;
 /// Largest correction (m and rad) of the linear model of eq. (7).
 const MAX_CORRECTION: f64 = 0.01;
 
-/// Eqs. (8) and (7).
+/// The paper's controller. In every control period it sets the references of the grasp, chooses a
+/// configuration q* with eq. (8) if it prepares, and finds the inputs u from q* with eq. (7).
 #[derive(Clone, Debug)]
 pub struct Predictive<'a> {
     manipulator: Manipulator<'a>,
+    /// The control period T, s.
     period: f64,
     references: References,
     /// How the base follows the path of the grasp; none where it is free.
     guide: Option<Guide>,
+    /// The solver of eq. (8).
     poses: PoseOptimiser,
+    /// The constraints of eq. (7), set anew for every solution.
     limits: Limits,
+    /// The solver of eq. (7).
     mpc: Mpc,
     /// q* of the last command.
     target: Configuration,
 }
 
-/// u of eq. (7), with the matrix that it was found with.
+/// The solution of eq. (7).
 struct Tracked {
     plan: Plan,
+    /// B = T J, the matrix of the linear model that it was found with.
     input_matrix: InputJacobian,
 }
 
@@ -63,7 +69,8 @@ impl<'a> Predictive<'a> {
         }
     }
 
-    /// q* of eq. (8), with the rates that lead there.
+    /// q* of eq. (8), with the rates that lead there. `base` has the inputs of a guided base, and is none where
+    /// the base is free.
     fn prepare(&mut self, q: &Configuration, at: &Kinematics, base: Option<&BaseInputs>) -> PoseChoice {
         let Manipulator { robot, control, obstacles, .. } = self.manipulator;
         let problem = PoseProblem {
@@ -127,15 +134,20 @@ impl<'a> Predictive<'a> {
         Some(turn_toward_grasp(off, self.period))
     }
 
-    /// u of eq. (7) that tracks the reference. Where limits are active, it is solved again with the obstacles'
-    /// half-planes about the first solution. With a guided base it is solved twice, the second time with the
-    /// error of the linear model; where the robot `follows`, with B half-way in between.
+    /// u of eq. (7) that tracks the reference, from the configuration `from`. `base` has the inputs of a guided
+    /// base, and is none where the base is free. The program is solved up to three times, each time linearised
+    /// closer to the solution:
+    ///
+    /// 1. With the half-planes of the obstacles linearised at the solution without limits.
+    /// 2. With a free base and active limits: with the half-planes linearised at the first solution. With a
+    ///    guided base, while the robot `follows`: with B in the middle of the first period of that solution.
+    /// 3. With a guided base: with the reference corrected by the error of the linear model.
     fn track(&mut self, from: &Candidate, base: Option<&BaseInputs>, follows: bool, grasp: &Pose) -> Tracked {
         let Manipulator { robot, control, obstacles, .. } = self.manipulator;
         let period = self.period;
         let Candidate { configuration: target, rates, jacobian } = *from;
         let turning = if base.is_none() { self.turning_free_base(&target, grasp) } else { None };
-        let form = |jacobian: &InputJacobian| {
+        let closed_form = |jacobian: &InputJacobian| {
             let b = jacobian * period;
             let weights = [control.state_weight, control.input_weight];
             let guided = |base, prices| ClosedForm::guided(&b, weights, &robot.drive, base, prices);
@@ -145,48 +157,48 @@ impl<'a> Predictive<'a> {
                 (None, None) => ClosedForm::new(&b, weights[0], weights[1]),
             }
         };
-        let free = form(&jacobian);
+        let unlimited = closed_form(&jacobian);
         self.limits.set(robot, &target, &rates, period);
         let mut to_track = *self.references.to_track();
         if let Some(base) = base.filter(|_| control.is_base_given()) {
             to_track += rolled(&robot.drive, &jacobian, base, period);
         }
         if control.avoid != Avoid::Nothing {
-            let about = free.inputs(&ModalReference::new(&to_track));
+            let inputs = unlimited.inputs(&ModalReference::new(&to_track));
             obstacles.half_planes(
                 control.avoid,
                 robot,
                 &target,
-                &about,
+                &inputs,
                 period,
                 base.is_some(),
                 &mut self.limits,
             );
         }
         if let Some(base) = base.filter(|_| control.guide_width < GUIDE_WIDTH_M) {
-            let about = free.inputs(&ModalReference::new(&to_track));
+            let inputs = unlimited.inputs(&ModalReference::new(&to_track));
             let width = control.guide_width;
-            keep_near(&robot.drive, &target.base, &about, (base, width), period, &mut self.limits);
+            keep_near(&robot.drive, &target.base, &inputs, (base, width), period, &mut self.limits);
         }
-        let mut plan = self.mpc.solve(&free, &self.limits, &to_track);
+        let mut plan = self.mpc.solve(&unlimited, &self.limits, &to_track);
         let is_limited = matches!(plan.outcome, SolveOutcome::Constrained { active } if active > 0);
         if base.is_none() && control.avoid != Avoid::Nothing && is_limited {
-            let about = plan.inputs;
-            obstacles.half_planes(control.avoid, robot, &target, &about, period, false, &mut self.limits);
-            plan = self.mpc.solve(&free, &self.limits, &to_track);
+            let inputs = plan.inputs;
+            obstacles.half_planes(control.avoid, robot, &target, &inputs, period, false, &mut self.limits);
+            plan = self.mpc.solve(&unlimited, &self.limits, &to_track);
         }
-        let (mut jacobian, mut free) = (jacobian, free);
+        let (mut jacobian, mut unlimited) = (jacobian, unlimited);
         if base.is_some() && follows {
             jacobian = self.jacobian_half_way(&target, &jacobian, &plan.inputs.column(0).into_owned());
-            free = form(&jacobian);
-            plan = self.mpc.solve(&free, &self.limits, &to_track);
+            unlimited = closed_form(&jacobian);
+            plan = self.mpc.solve(&unlimited, &self.limits, &to_track);
         }
         if base.is_some() {
             let input = plan.inputs.column(0).into_owned();
             let model_error = self.model_error(&target, &jacobian, &input, grasp);
             let mut first = to_track.column_mut(0);
             first -= model_error;
-            plan = self.mpc.solve(&free, &self.limits, &to_track);
+            plan = self.mpc.solve(&unlimited, &self.limits, &to_track);
         }
         Tracked { plan, input_matrix: jacobian * period }
     }

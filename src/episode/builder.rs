@@ -14,8 +14,8 @@ use crate::simulation::{KinematicPlant, PhysicsSettings};
 use crate::team::{InTandem, OnPath, Route, Surroundings, Walk};
 use crate::world::World;
 
-/// The parts of an episode. What is not given is the paper's human, the settings' method, and a point as the
-/// team.
+/// The parts of an episode. By default, the human is the paper's, the policy that of the settings' method,
+/// and the team a point.
 #[must_use]
 pub struct EpisodeBuilder<'a> {
     options: &'a OptionSet,
@@ -71,7 +71,7 @@ impl<'a> EpisodeBuilder<'a> {
         }
     }
 
-    /// Another human.
+    /// Replaces the human.
     pub fn with_human(self, human: impl Human + 'a) -> Self {
         self.with_boxed_human(Box::new(human))
     }
@@ -81,7 +81,7 @@ impl<'a> EpisodeBuilder<'a> {
         Self { human, ..self }
     }
 
-    /// Another robot policy.
+    /// Replaces the robot's policy.
     pub fn with_policy(self, policy: impl RobotPolicy + 'a) -> Self {
         self.with_boxed_policy(Box::new(policy))
     }
@@ -107,12 +107,12 @@ impl<'a> EpisodeBuilder<'a> {
         Self { team: Team::Bodies { manipulator, world, physics: *physics, seed }, ..self }
     }
 
-    /// Another controller of the robot.
+    /// Replaces the robot's controller.
     pub fn with_controller(self, controller: impl Controller + 'a) -> Self {
         Self { controller: Some(Box::new(controller)), ..self }
     }
 
-    /// Another plant for the same team. It is made once it is known where the team lines up.
+    /// Replaces the plant, for the same team. `make` is called once it is known where the team lines up.
     pub fn with_plant<P: Plant + 'a>(self, make: impl FnOnce(&Start) -> P + 'a) -> Self {
         Self { plant: Some(Box::new(|start| Box::new(make(start)))), ..self }
     }

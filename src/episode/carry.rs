@@ -23,16 +23,17 @@ pub(super) struct Carried {
     position: Point,
     heading: f64,
     seen_at: Point,
-    /// Control periods done, and their number.
+    /// The number of control periods done, and the number of periods in the step.
     pub periods: [u32; 2],
     robot: Option<RobotTick>,
     walked: f64,
 }
 
 impl Episode<'_> {
-    /// Takes up the decision of the robot's policy in a step that has begun; then [`Episode::carry_period`]
-    /// moves everybody. In place of [`Episode::finish_step`], for callers who look, or steer the hand, between
-    /// control periods. Without a first part nothing happens.
+    /// Starts to carry out the decision `lead` of the robot's policy in a step that has
+    /// [begun](Episode::begin_step); then [`Episode::carry_period`] moves everybody. Use it in place of
+    /// [`Episode::finish_step`] to look at the episode, or to steer the hand, between control periods. Does
+    /// nothing if no step has begun.
     pub fn lead_step(&mut self, lead: &Decision) {
         let now = self.now();
         let Some(begun) = self.begun.take() else { return };
@@ -57,9 +58,9 @@ impl Episode<'_> {
         });
     }
 
-    /// Moves everybody by one control period of a step that has its [decision](Episode::lead_step). Returns
-    /// whether the step goes on: after its last period it is over, and this returns false. Without such a step
-    /// nothing happens.
+    /// Moves everybody by one control period of a step that is being [carried out](Episode::lead_step).
+    /// Returns true if the step has further periods, and false after its last one. Without such a step it
+    /// does nothing and returns false.
     pub fn carry_period(&mut self) -> bool {
         let Some(mut carried) = self.carried.take() else { return false };
         let (moved, tick) = self.carry_one_period(&carried.begun, &carried.lead, carried.periods);
@@ -77,12 +78,13 @@ impl Episode<'_> {
         goes_on
     }
 
-    /// The control periods done in the present step, and their number; zeros between steps.
+    /// The number of control periods done in the present step, and the number of periods in a step; zeros
+    /// between steps.
     pub fn periods(&self) -> [u32; 2] {
         self.carried.as_ref().map_or([0; 2], |carried| carried.periods)
     }
 
-    /// The end of a step, after its last control period.
+    /// Ends a step after its last control period.
     fn end_step(&mut self, carried: Carried) {
         let now = self.now();
         let Carried { begun, lead, executed, reverses_for, from, position, heading, seen_at, .. } = carried;
@@ -129,6 +131,9 @@ impl Episode<'_> {
         self.memory = (evaluated, predicted);
     }
 
+    /// Moves everybody by one control period: first the controller's command, then the human, then the plant.
+    /// Returns how far the team came along the path, m, and the robot's part of the tick, if there is a robot.
+    /// `period`: as [`Episode::periods`].
     fn carry_one_period(
         &mut self,
         begun: &Begun,

@@ -6,7 +6,7 @@ use super::{Episode, Outcome};
 const STUCK_S: f64 = 10.0;
 
 impl Episode<'_> {
-    /// The outcome of an episode that is over; `None` while it goes on. To be asked between steps.
+    /// The outcome of an episode that is over; `None` while it goes on. Valid between steps only.
     pub fn ended(&self) -> Option<Outcome> {
         if let Some(outcome) = self.summary.incident() {
             return Some(outcome);

@@ -49,7 +49,8 @@ impl Episode<'_> {
         }
     }
 
-    /// Where the human's own hand goes in a control period, on plants with bodies.
+    /// Where the human's hand goes by the end of a control period, if the human says so; only on plants with
+    /// bodies.
     pub(super) fn hand(&mut self, decision: &HumanDecision, period: [u32; 2]) -> Option<Point> {
         let time = self.now().time + self.settings.control_period() * f64::from(period[0]);
         let bodies = self.plant.observe().bodies?;

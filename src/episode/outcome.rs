@@ -54,12 +54,12 @@ pub struct Transition {
 }
 
 /// Largest deflection of a grip before the object is lost, m. The kinematic plant has no grips: there the
-/// object is lost if the grasp is farther than this from where the human holds the object in two consecutive
-/// periods, because the human there reaches full speed, or turns, at once, and the robot reacts one period
-/// later. The distance from the planned path loses nothing.
+/// object is lost if the grasp is farther than this from where the human holds the object at the ends of two
+/// consecutive planning steps, because the human there reaches full speed, or turns, at once, and the robot
+/// reacts later. The distance from the planned path loses nothing.
 pub const LOSS_DISTANCE_M: f64 = 0.1;
 /// The distance of the grasp from its reference on the planned path (m, root mean square over an episode)
-/// from which on an episode has a warning.
+/// above which an episode has a warning.
 pub const GRASP_WARNING_RMS_M: f64 = 0.05;
 
 /// The loss of the object: a grip's deflection, or the distance of hand, object and grasp where there are no

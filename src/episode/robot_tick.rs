@@ -30,7 +30,7 @@ pub struct RobotTick {
     pub position_error: f64,
     /// Angle between them, rad.
     pub orientation_error: f64,
-    /// ||x - s||_Q^2 at the end of the step. This, the next two and u are means over the control periods of a
+    /// ||x - s||_Q^2 at the end of a control period. All costs and u are means over the control periods of the
     /// planning step, so that C does not grow with the controller's rate.
     pub tracking_cost: f64,
     /// ||u||_R^2.
@@ -43,11 +43,11 @@ pub struct RobotTick {
     pub intended_cost: f64,
     /// kappa ||q* - q_c||^2.
     pub pose_cost: f64,
-    /// Distance between the base and the nearest obstacle at the beginning of the step, m; negative where
-    /// they overlap, infinite without obstacles.
+    /// Distance between the base and the nearest obstacle at the beginning of the step, m: the least over its
+    /// control periods. Negative where they overlap, infinite without obstacles.
     pub base_clearance: f64,
-    /// Two links of the robot that touch each other at the end of the step: indices into
-    /// [`Robot::links`](crate::robot::Robot::links).
+    /// The first two links of the robot that touch each other at the end of a control period of the step:
+    /// indices into [`Robot::links`](crate::robot::Robot::links).
     #[serde(default)]
     pub self_contact: Option<[usize; 2]>,
     /// Further observations on the physical plant.
@@ -223,7 +223,7 @@ impl RobotTick {
     }
 }
 
-/// The outcome that took more.
+/// The outcome of the harder problem: the one with more active constraints, or a fallback.
 fn harder(one: SolveOutcome, other: SolveOutcome) -> SolveOutcome {
     let rank = |outcome: SolveOutcome| match outcome {
         SolveOutcome::Unconstrained => 0,

@@ -21,8 +21,8 @@ pub struct Settings {
     /// default o* of eq. (6).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lead_option: Option<u64>,
-    /// Planning step k, s: phi, g, J and sightings of the human count in it. Texts have it under the key of
-    /// before.
+    /// Planning step, s: phi, g, J and sightings of the human count in it. In a scenario's text its key is
+    /// `period_s`, as before it was told apart from the control period.
     #[serde(rename = "period_s", alias = "planning_step_s")]
     pub planning_step: f64,
     /// Control period of eqs. (7) and (8), s, a whole fraction of the planning step; by default as long.

@@ -1,4 +1,8 @@
-//! The loop: the paper's algorithm, one planning step at a time. Every value is made once and passed on.
+//! The loop: the paper's algorithm, one planning step at a time. Every value is computed once and passed on.
+//!
+//! [`Episode::step`] is the whole loop. Callers that look at the episode within a step call its parts in this
+//! order: [`Episode::begin_step`], [`Episode::lead_step`], and [`Episode::carry_period`] until it returns false
+//! (the last two are in `carry.rs`).
 
 use super::evaluated::{Evaluated, Predicted};
 use super::now::Now;
@@ -9,10 +13,13 @@ use crate::policy::Decision;
 /// A step that has begun: its values before the robot's policy decides.
 #[derive(Clone, Debug)]
 pub(super) struct Begun {
+    /// D_o, S_o and J_o of every option.
     pub evaluated: Evaluated,
+    /// P_o and J~_o of every option.
     pub predicted: Predicted,
+    /// The human's option, stance, g(k) and phi(k).
     pub human: HumanDecision,
-    /// phi(k) as the robot takes it.
+    /// phi(k) as the robot takes it: with what it has learned, if it learns.
     pub stubbornness: f64,
 }
 
@@ -27,9 +34,9 @@ impl Episode<'_> {
         ended
     }
 
-    /// The first part of a step, up to the human's decision; then the policy, or a caller in its place, may
-    /// [see](Episode::robot_view) it. Returns the outcome once the episode has ended. Nothing happens if the
-    /// step has begun. [`Episode::state`] is valid between whole steps only.
+    /// Takes the first part of a step, up to the human's decision. Then the policy, or a caller in its place,
+    /// decides by [`Episode::robot_view`]. Returns the outcome once the episode has ended. Does nothing if
+    /// the step has begun. [`Episode::state`] is valid between whole steps only.
     pub fn begin_step(&mut self) -> Option<Outcome> {
         if self.begun.is_some() || self.carried.is_some() {
             return None;
@@ -43,6 +50,7 @@ impl Episode<'_> {
         None
     }
 
+    /// The values of a step before the robot's policy decides.
     pub(super) fn begin(&mut self, now: Now) -> Begun {
         let (evaluated, predicted) = std::mem::take(&mut self.memory);
         let evaluated = self.evaluate(now, evaluated); //                  D_o, S_o, J_o       eq. (1)
@@ -52,7 +60,8 @@ impl Episode<'_> {
         Begun { evaluated, predicted, human, stubbornness }
     }
 
-    /// The second part of a step that has begun, by this decision. Without a first part nothing happens.
+    /// Takes the second part of a step that has begun, by the decision `lead`. Does nothing if no step has
+    /// begun.
     pub fn finish_step(&mut self, lead: &Decision) {
         self.lead_step(lead); //                                           the path
         while self.carry_period() {} //                                    q*, u, x            eq. (8), (7)

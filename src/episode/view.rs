@@ -41,7 +41,7 @@ impl Episode<'_> {
         self.begun.as_ref().or(self.carried.as_ref().map(|carried| &carried.begun))
     }
 
-    /// The decision of the episode's policy in a step that has begun; between steps, to follow.
+    /// The decision of the episode's policy in a step that has begun; between steps, the decision to follow.
     pub fn ask_policy(&mut self) -> Decision {
         let now = self.now();
         let Some(begun) = &self.begun else { return Decision::follow() };

@@ -150,7 +150,7 @@ impl Footprint {
         }
     }
 
-    /// The closest points of this outline and another one; twice the same where they meet.
+    /// The closest points of this outline and another one; the same point twice where they meet.
     pub fn closest_points(&self, other: &Self) -> [Point; 2] {
         match (self, other) {
             (Self::Polygon(corners), Self::Polygon(others)) => {
@@ -215,8 +215,8 @@ impl Footprint {
         }
     }
 
-    /// Whether the segment `a b` keeps at least `clearance` (m) from the outline. `bounds` are the outline's
-    /// own.
+    /// Whether the segment `a b` keeps at least `clearance` (m) from the outline. `bounds` must be the
+    /// outline's [`Footprint::bounds`].
     pub fn clears_segment(&self, bounds: Bounds, a: Point, b: Point, clearance: f64) -> bool {
         bounds.grown(clearance).misses_segment(a, b) || self.distance_to_segment(a, b) >= clearance
     }

@@ -1,7 +1,7 @@
 //! The human of an episode: the trait [`Human`], what a human sees and decides, and models of human
 //! decisions.
 //!
-//! Implement [`Human`] to use a model of your own. Pass it to an episode with
+//! Implement [`Human`] to use your own model. Pass it to an episode with
 //! [`EpisodeBuilder::with_human`](crate::episode::EpisodeBuilder::with_human), or add it to [`MODELS`], which
 //! serves the command line, studies, scenarios and recordings.
 
@@ -25,17 +25,17 @@ use crate::saved::{RestoreError, Saved};
 use crate::simulation::Wrench;
 use serde::{Deserialize, Serialize};
 
-/// A human, who decides in every control period.
+/// A human, who decides in every planning step, and may move the hand in every control period.
 ///
 /// A clone decides independently and identically. [`Human::save`] and [`Human::restore`] carry the state that
 /// later decisions depend on through snapshots.
 pub trait Human: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
-    /// The human's decision at the beginning of a control period.
+    /// The human's decision at the beginning of a planning step.
     fn decide(&mut self, view: &HumanView<'_>) -> HumanDecision;
 
     /// Where the hand goes by the end of a control period, m, world frame, on plants with bodies. By default,
-    /// or with `None`, it goes straight to the decision's target until the end of the planning step, or with
-    /// the leader.
+    /// or with `None`, it goes straight to the target of the decision until the end of the planning step, or,
+    /// if the decision has none, with the leader.
     fn hand(&mut self, view: &HandView<'_>) -> Option<Point> {
         let _ = view;
         None
@@ -87,12 +87,12 @@ pub struct HumanView<'a> {
     pub risk_weight: f64,
     /// The executed option; none before the first step.
     pub executed: Option<usize>,
-    /// The mode of the last period.
+    /// The mode of the last planning step.
     pub mode: Mode,
     /// `world_from_hand`, on the physical plant.
     pub hand: Option<&'a Pose>,
-    /// The mean wrench of the hand on the object in the last period, world axes, N and Nm, on the physical
-    /// plant.
+    /// The mean wrench of the hand on the object in the last planning step, world axes, N and Nm, on the
+    /// physical plant.
     pub wrench: Option<&'a Wrench>,
 }
 
@@ -101,7 +101,7 @@ pub struct HumanView<'a> {
 pub struct HandView<'a> {
     /// Simulated time, s.
     pub time: f64,
-    /// The control period within the planning step, from 0, and their number.
+    /// The index of the control period within the planning step, from 0, and the number of periods in a step.
     pub period: [u32; 2],
     /// The decision of this planning step.
     pub decision: &'a HumanDecision,
@@ -130,7 +130,7 @@ impl HumanView<'_> {
     }
 }
 
-/// The human's decision in a control period.
+/// The human's decision in a planning step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HumanDecision {
     /// The option that the human prefers (an index).

@@ -1,4 +1,4 @@
-//! A human model by its name, and what a human is made from.
+//! A human model by its name, and the data that it creates a human from.
 
 use super::Human;
 use crate::coordination;
@@ -19,7 +19,7 @@ pub struct HumanModel {
     pub form: &'static str,
     /// A description in one sentence.
     pub about: &'static str,
-    /// Makes the human from the arguments between the parentheses.
+    /// Creates the human from the arguments between the parentheses.
     pub(super) make: fn(&str, &Participant<'_>) -> Made,
 }
 

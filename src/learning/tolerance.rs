@@ -72,17 +72,17 @@ fn normal_between(from: f64, to: f64) -> f64 {
 pub const MAX_TASKS: usize = 256;
 
 /// Deviations beyond which the prior is not integrated.
-const FARTHEST: f64 = 9.0;
+const MAX_DEVIATIONS: f64 = 9.0;
 
 /// Nodes of the rule for a step.
 const POINTS: usize = 24;
 
 /// The belief over eta.
 ///
-/// A task says that eta lies in an interval, except with the lapse rate: the human then acts in this task like
-/// another human, drawn from the prior. The density relative to the prior is a step function, so all figures
-/// are sums of closed forms, but for the expected stubbornness, which is integrated by a Gauss rule on each
-/// step.
+/// A task shows that eta lies in an interval. With the lapse rate as probability it is uninformative: the
+/// human then acts in this task like another human, drawn from the prior. The density relative to the prior
+/// is a step function, so all figures are sums of closed forms, but for the expected stubbornness, which is
+/// integrated by a Gauss rule on each step.
 #[derive(Clone, Debug)]
 pub struct Tolerance {
     prior: TolerancePrior,
@@ -133,7 +133,7 @@ impl Tolerance {
         self.refresh();
     }
 
-    /// The interval of eta that every task leaves, the present one last.
+    /// The interval of eta that every task shows, the present task last.
     pub fn tasks(&self) -> &[[f64; 2]] {
         &self.tasks
     }
@@ -207,7 +207,7 @@ impl Tolerance {
 
     /// The eta up to which there is this probability.
     pub fn quantile(&self, probability: f64) -> f64 {
-        let (mut below, mut above) = (-FARTHEST, FARTHEST);
+        let (mut below, mut above) = (-MAX_DEVIATIONS, MAX_DEVIATIONS);
         for _ in 0..60 {
             let middle = 0.5 * (below + above);
             let eta = self.prior.median * math::exp(self.prior.log_std * middle);
@@ -226,7 +226,8 @@ impl Tolerance {
         let part = |([low, high], ratio): ([f64; 2], f64)| {
             let split = exhausted.clamp(low, high);
             let certain = if split > low { self.prior.probability([low, split]) } else { 0.0 };
-            let [from, to] = [self.prior.z(split), self.prior.z(high)].map(|z| z.clamp(-FARTHEST, FARTHEST));
+            let [from, to] =
+                [self.prior.z(split), self.prior.z(high)].map(|z| z.clamp(-MAX_DEVIATIONS, MAX_DEVIATIONS));
             let half = 0.5 * (to - from);
             let mut sum = 0.0;
             for (node, weight) in &self.rule {

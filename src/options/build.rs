@@ -10,7 +10,7 @@ use crate::geometry::{Bounds, Nearby, Point};
 use crate::world::{Opening, World};
 
 /// Gaps narrower than this (m) are not named where a target cannot be reached: obstacles meet there.
-const NARROWEST_NAMED_M: f64 = 0.001;
+const MIN_NAMED_M: f64 = 0.001;
 
 /// The free space of a world in which these openings are barriers, and the gaps that are too narrow.
 pub(super) fn space(world: &World, openings: &[Opening]) -> (Space, Vec<[Point; 2]>) {
@@ -50,7 +50,7 @@ pub(super) fn passages(world: &World, space: &Space) -> Vec<Passage> {
 /// The error that no path leads to the target, with the reason.
 pub(super) fn unreachable(world: &World) -> Error {
     let widest = world.impassable_gaps().into_iter().next();
-    let reason = match widest.filter(|gap| gap.width >= NARROWEST_NAMED_M) {
+    let reason = match widest.filter(|gap| gap.width >= MIN_NAMED_M) {
         None => "obstacles enclose it".to_owned(),
         Some(Opening { between, width, .. }) => {
             let [first, second] = between.map(|i| &world.obstacles[i].name);

@@ -43,9 +43,9 @@ const MAX_CORNERS_OF_SHORTEST: usize = 400;
 /// Where a path goes through a gap between pillars. Elsewhere there is one way through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Passing {
-    /// On the shortest way, which D_o is the length of: as near to a pillar as a point may.
+    /// On the shortest path, whose length is D_o: as near to a pillar as a point may pass.
     Shortest,
-    /// Through the middle: room for what is long, which cuts the corner round a pillar.
+    /// Through the middle: a long object cuts the corner round a pillar and needs the room.
     ///
     /// DEVIATION (eq. 1): the team walks farther than D_o says, by at most a quarter between random pillars.
     Middle,
@@ -250,7 +250,7 @@ impl OptionSet {
             Some((crossing, Exit::Axis(end))) => {
                 (end - progress.position).norm() + self.after_gap(crossing, rest, way).length
             }
-            Some((_, Exit::Beside(end))) => {
+            Some((_, Exit::OffAxis(end))) => {
                 (end - progress.position).norm() + self.beyond_point(end, rest, way).length
             }
         };
@@ -280,8 +280,8 @@ impl OptionSet {
         self.path_passing(progress, option, Passing::Shortest)
     }
 
-    /// The remaining path of an option from the team's position, as it goes through gaps between pillars.
-    /// `None` where there is no path.
+    /// The remaining path of an option from the team's position; `passing` says where it goes through gaps
+    /// between pillars. `None` where there is no path.
     pub fn path_passing(&self, progress: &Progress, option: usize, passing: Passing) -> Option<Path> {
         let mut path = Path::default();
         self.write_path(progress, option, passing, &mut path).then_some(path)
@@ -303,12 +303,12 @@ impl OptionSet {
                 chosen(self.beyond_point(at, rest, way))
             }
             Some((crossing, exit)) => {
-                let (Exit::Axis(end) | Exit::Beside(end)) = exit;
+                let (Exit::Axis(end) | Exit::OffAxis(end)) = exit;
                 path.line(at, end);
                 at = end;
                 match exit {
                     Exit::Axis(_) => chosen(self.after_gap(crossing, rest, way)),
-                    Exit::Beside(_) => chosen(self.beyond_point(end, rest, way)),
+                    Exit::OffAxis(_) => chosen(self.beyond_point(end, rest, way)),
                 }
             }
         };

@@ -45,7 +45,7 @@ const OFF_GAP_M: f64 = 1e-7;
 /// The distance of outer lanes from a pillar beyond the clearance, m.
 const FROM_PILLAR_M: f64 = 1e-6;
 /// Where lanes would be this near (m) to each other, there is one.
-const NARROWEST_LANES_M: f64 = 0.01;
+const MIN_LANE_DISTANCE_M: f64 = 0.01;
 /// The length (m) by which the straight part beyond the gap shortens for every metre that the team is off the
 /// axis. The part thus narrows to a point, where the path through it and the path past it coincide.
 const NARROWING: f64 = 2.0;
@@ -57,7 +57,7 @@ pub(super) enum Exit {
     /// Along the axis to the end of the straight part.
     Axis(Point),
     /// From off the axis, parallel to it, to this point.
-    Beside(Point),
+    OffAxis(Point),
 }
 
 impl Passage {
@@ -74,7 +74,7 @@ impl Passage {
         let (center, axis) = (opening.center(), opening.axis());
         let (risk, half_width) = (opening.risk(robot_width), opening.width / 2.0);
         let lane_offset = alignment.off_middle * (half_width - robot_width / 2.0 - FROM_PILLAR_M);
-        let lane_offset = (lane_offset > NARROWEST_LANES_M).then_some(lane_offset);
+        let lane_offset = (lane_offset > MIN_LANE_DISTANCE_M).then_some(lane_offset);
         let reach =
             [(-axis, alignment.straight[0]), (axis, alignment.straight[1])].map(|(outward, straight)| {
                 let free = others
@@ -139,7 +139,7 @@ impl Passage {
         if self.off_axis(p) <= ON_AXIS_M {
             return Some(Exit::Axis(self.at(0, side, reach)));
         }
-        Some(Exit::Beside(p + self.outward(side) * left))
+        Some(Exit::OffAxis(p + self.outward(side) * left))
     }
 
     /// How much of a straight part of length `reach` (m) is ahead of a team at `p`, m; 0 where it is no more

@@ -1,4 +1,4 @@
-//! A way from the start to the target, with what is tabulated of it.
+//! A way from the start to the target, with its tabulated remainders.
 
 use super::passage::Crossing;
 use super::sites::MAX_LANES;

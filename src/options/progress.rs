@@ -26,7 +26,7 @@ pub(super) struct Rest {
     pub place: usize,
     /// Crossings that lead back to the option, the first one last.
     pub back: Vec<Crossing>,
-    /// Whether the option follows the straight part that the team is in no farther. An option that once leaves
+    /// Whether the option no longer follows the straight part that the team is in. An option that once leaves
     /// it does not return into it, or its path could get longer as the team walks it.
     #[serde(default)]
     pub has_left: bool,

@@ -1,7 +1,7 @@
 //! The plant: the bodies of a team, which a controller's command and a human's motion move.
 //!
-//! Implement [`Plant`] to carry with a simulator of your own; the walk, the human, the policy and the
-//! controller stay. Pass it to an episode with
+//! Implement [`Plant`] to carry with your own simulator; the walk, the human, the policy and the controller
+//! stay. Pass it to an episode with
 //! [`EpisodeBuilder::with_plant`](crate::episode::EpisodeBuilder::with_plant).
 
 mod command;

@@ -1,6 +1,6 @@
 //! The robot's policy: it decides who leads, on which option, and optionally by which motion.
 //!
-//! Implement [`RobotPolicy`] to use a policy of your own. Pass it to an episode with
+//! Implement [`RobotPolicy`] to use your own policy. Pass it to an episode with
 //! [`EpisodeBuilder::with_policy`](crate::episode::EpisodeBuilder::with_policy), or add it to [`METHODS`],
 //! which serves the command line, studies, scenarios and recordings.
 
@@ -25,7 +25,7 @@ use crate::saved::{RestoreError, Saved};
 use crate::simulation::Wrench;
 use serde::{Deserialize, Serialize};
 
-/// A robot policy, which decides in every control period.
+/// A robot policy, which decides in every planning step.
 ///
 /// A clone decides independently and identically. [`RobotPolicy::save`] and [`RobotPolicy::restore`] carry
 /// the state that later decisions depend on through snapshots.
@@ -40,7 +40,7 @@ pub trait RobotPolicy: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
         false
     }
 
-    /// The robot's decision at the beginning of a control period.
+    /// The robot's decision at the beginning of a planning step.
     fn decide(&mut self, view: &RobotView<'_>) -> Decision;
 
     /// The state that later decisions depend on; empty by default.
@@ -59,7 +59,7 @@ pub trait RobotPolicy: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
 
 dyn_clone::clone_trait_object!(RobotPolicy);
 
-/// The robot's view at the beginning of a control period.
+/// The robot's view at the beginning of a planning step.
 #[derive(Clone, Copy, Debug)]
 pub struct RobotView<'a> {
     /// k, from 0.
@@ -80,7 +80,7 @@ pub struct RobotView<'a> {
     pub prescribed: Option<usize>,
     /// The executed option; none before the first step.
     pub executed: Option<usize>,
-    /// The mode of the last period.
+    /// The mode of the last planning step.
     pub mode: Mode,
     /// The human's response to the robot's lead. The robot does not know the human's option, alpha or gamma.
     pub stance: Stance,
@@ -92,13 +92,13 @@ pub struct RobotView<'a> {
     pub configuration: Option<&'a Configuration>,
     /// `world_from_grasp`; none on the point plant.
     pub grasp: Option<Pose>,
-    /// `world_from_object`; only on the physical plant, as what follows.
+    /// `world_from_object`. This and the fields below are there on the physical plant only.
     pub object: Option<&'a Pose>,
     /// `world_from_hand`.
     pub hand: Option<&'a Pose>,
-    /// The mean wrench of the robot on the object in the last period, world axes, N and Nm.
+    /// The mean wrench of the robot on the object in the last planning step, world axes, N and Nm.
     pub grip_wrench: Option<&'a Wrench>,
-    /// The mean wrench of the hand on the object in the last period, world axes, N and Nm.
+    /// The mean wrench of the hand on the object in the last planning step, world axes, N and Nm.
     pub hand_wrench: Option<&'a Wrench>,
 }
 
@@ -113,7 +113,7 @@ impl RobotView<'_> {
     }
 }
 
-/// The robot's decision in a control period.
+/// The robot's decision in a planning step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Decision {
     /// The leader and the option.
@@ -133,13 +133,13 @@ pub enum Lead {
     HumanKeepingOption,
 }
 
-/// The robot's motion, from the controller's to the policy's own.
+/// The robot's motion: the controller's, or one that the policy gives.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Motion {
     /// Eq. (8) and (7): pose optimisation and MPC track the leader's path.
     Controlled,
-    /// Eq. (7) with the policy's reference: poses of the grasp on the floor, one per planning step, from the
-    /// end of this one on; shorter control periods go between them.
+    /// Eq. (7) with the policy's reference: poses of the grasp on the floor, one at the end of each planning
+    /// step, this one first. Shorter control periods interpolate between them.
     Reference([PlanarPose; HORIZON]),
     /// The policy's inputs u: the base's inputs, then joint rates, rad/s (prismatic: m/s).
     Inputs(#[serde(with = "without_last")] InputVector),

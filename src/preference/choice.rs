@@ -76,7 +76,7 @@ impl ChoiceDistribution {
         }
     }
 
-    /// Takes over raw masses and normalises them. Returns false, with unspecified contents, if they are not
+    /// Takes over raw masses and normalises them. Returns false, with unspecified contents, if they are not a
     /// distribution.
     pub(super) fn set_masses(&mut self, masses: &[f64]) -> bool {
         self.probabilities.clear();

@@ -1,4 +1,4 @@
-//! The vocabulary: every figure of a control period and of an episode, declared once.
+//! The vocabulary: every figure of a planning step and of an episode, declared once.
 //!
 //! A [`Quantity`] has a key, a kind with its unit, a description and a getter. Tables of ticks, JSON, the
 //! channels of recordings with their schemas, the result columns of studies and the figures of baselines are
@@ -54,7 +54,7 @@ pub type Record = Vec<(&'static str, Value)>;
 pub struct View<'a> {
     /// The prepared scenario.
     pub prepared: &'a PreparedScenario,
-    /// The episode. Quantities of a control period are about the last step taken.
+    /// The episode. Quantities of a planning step are those of the last step taken.
     pub episode: &'a Episode<'a>,
     /// The outcome of the episode; `None` if the user interrupted it.
     pub outcome: Option<Outcome>,

@@ -61,7 +61,7 @@ impl View<'_> {
     }
 }
 
-/// The quantities of a control period in one row: all except the controller's preparation.
+/// The quantities of a planning step in one row: all except the controller's preparation.
 pub const TICK: [&[Quantity]; 9] =
     [STEP, TIME, COORDINATION, COST, CONTROL, BASE, INTERACTION, OPTIONS, JOINTS];
 
@@ -229,7 +229,7 @@ pub const JOINTS: &[Quantity] = quantities! {
     "joints", List(|| headings(REVOLUTE.iter().chain(PRISMATIC))), "the joints of the arm, from the base on", |v| joints(v);
 };
 
-/// One joint of the arm in a control period.
+/// One joint of the arm in a planning step.
 pub(super) struct JointView<'a> {
     joint: &'a ArmJoint,
     position: f64,

@@ -32,8 +32,8 @@ pub(super) fn bodies(robot: &Robot) -> Vec<usize> {
     body
 }
 
-/// Gives shapes to the base and to moving links of the chain that have none, and says so. A base with any mesh
-/// that is missing gets its `footprint`, or a cylinder, besides its other shapes.
+/// Gives shapes to the base and to moving links of the chain that have none, and returns warnings about them.
+/// A base with any mesh that is missing gets its `footprint`, or a cylinder, besides its other shapes.
 pub(super) fn complete(robot: &mut Robot, footprint: Option<&[Point]>) -> Vec<RobotWarning> {
     let mut warnings = Vec::new();
     let body = bodies(robot);

@@ -51,7 +51,7 @@ impl Draft {
         Self::of_texts(RobotTexts::of_urdf(urdf, None)?, urdf, named, file, request)
     }
 
-    /// As [`Draft::new`], with a function that makes a URDF of a xacro.
+    /// As [`Draft::new`], with a function that expands a xacro to a URDF.
     ///
     /// # Errors
     /// As [`Draft::new`], and those of `expand`.

@@ -45,7 +45,7 @@ pub struct Drive {
     pub kind: DriveKind,
     /// Distance between the wheels' centres, m. Skid-steer: the effective track. Omnidirectional: 0.
     pub track: f64,
-    /// Radius of the wheels, m; 0 for an omnidirectional base that names none.
+    /// Radius of the wheels, m; 0 for an omnidirectional base whose robot file names no wheels.
     pub wheel_radius: f64,
     /// Largest rim speed, m/s. Omnidirectional: largest speed along x and along y.
     pub rim_speed_limit: f64,
@@ -122,8 +122,8 @@ impl Drive {
         PlanarPose { position, yaw: wrap_angle(base.yaw + turn) }
     }
 
-    /// What turns the wheels, for an input: rates of the left and the right wheels, rad/s; omnidirectional:
-    /// the input itself. See [`Wheel::spin`].
+    /// The rolling rates for an input: of the left and the right wheels, rad/s; omnidirectional: the input
+    /// itself. See [`Wheel::spin`].
     pub fn rolling(&self, input: &BaseInput) -> BaseInput {
         if self.is_omnidirectional() {
             return *input;

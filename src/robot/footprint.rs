@@ -13,12 +13,12 @@ use toml::{Spanned, Value};
 
 /// The key.
 const KEY: &str = "base_footprint";
-/// The corners that a list may have, and a footprint around shapes at most has.
-const FEWEST_CORNERS: usize = 3;
+/// The least number of corners of a list, the largest number, and the largest number around shapes.
+const MIN_CORNERS: usize = 3;
 const MAX_CORNERS: usize = 64;
 const MAX_CORNERS_OF_SHAPES: usize = 32;
 /// The largest coordinate of a corner, m.
-const FARTHEST_M: f64 = 10.0;
+const MAX_COORDINATE_M: f64 = 10.0;
 /// The least extent of a footprint in any direction, m.
 const MIN_EXTENT_M: f64 = 0.01;
 /// How far (m) a footprint may be outside the shapes that it is around, for fewer corners.
@@ -61,10 +61,10 @@ pub(super) fn asked(source: Source, entry: &Option<Spanned<Value>>) -> Result<As
             )));
         }
     };
-    if !(FEWEST_CORNERS..=MAX_CORNERS).contains(&list.len()) {
+    if !(MIN_CORNERS..=MAX_CORNERS).contains(&list.len()) {
         let count = list.len();
         return Err(refused(format!(
-            "{KEY} has {count} corners; it must have {FEWEST_CORNERS} to {MAX_CORNERS}"
+            "{KEY} has {count} corners; it must have {MIN_CORNERS} to {MAX_CORNERS}"
         )));
     }
     let mut corners = Vec::with_capacity(list.len());
@@ -75,8 +75,8 @@ pub(super) fn asked(source: Source, entry: &Option<Spanned<Value>>) -> Result<As
             return Err(refused(format!("{KEY}[{i}] = {found}; it must be a corner [x, y] in metres")));
         };
         for (axis, value) in [x, y].into_iter().enumerate() {
-            if value.is_nan() || value.abs() > FARTHEST_M {
-                let expected = format!("from -{FARTHEST_M} to {FARTHEST_M} (metres)");
+            if value.is_nan() || value.abs() > MAX_COORDINATE_M {
+                let expected = format!("from -{MAX_COORDINATE_M} to {MAX_COORDINATE_M} (metres)");
                 return Err(Error::number(place(), &format!("{KEY}[{i}][{axis}]"), *value, &expected));
             }
         }

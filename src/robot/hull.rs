@@ -120,8 +120,8 @@ pub(super) fn vertices(file: &Path) -> Result<Vec<[f64; 3]>, String> {
     made(file, |hull| hull.vertices)
 }
 
-/// What is made of a mesh file. The error says why nothing is, which may be that the parser, or the geometry
-/// made of the mesh, panics.
+/// Applies `make` to the hull of a mesh file. The error says why that failed: also that the parser, or the
+/// geometry computed from the mesh, panicked.
 fn made<T: Send>(file: &Path, make: impl FnOnce(Hull) -> T + Send) -> Result<T, String> {
     let bytes = located::read_bytes(&bounds::MESH, file).map_err(|e| e.to_string())?;
     let made = guarded::on_thread(|| of_bytes(&bytes, file).map(make));

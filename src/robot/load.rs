@@ -36,8 +36,8 @@ impl Robot {
         complete(RobotTexts::read(path, None).map_err(|fault| vec![fault])?)
     }
 
-    /// As [`Robot::check`], with a function that makes a URDF of a xacro; without it, a xacro is refused. The
-    /// `xacro` program runs code that is in the file.
+    /// As [`Robot::check`], with a function that expands a xacro to a URDF; without it, a xacro is refused.
+    /// The program `xacro` runs code that is in the file.
     ///
     /// # Errors
     /// As [`Robot::check`], and those of `expand`.
@@ -268,7 +268,7 @@ fn tool(source: Source, entries: &RobotFile) -> Result<Option<Pose>, Error> {
     Ok(is_given.then(|| Pose::from_parts(xyz.into(), turn)))
 }
 
-/// A frame fixed to the link of the tool, with a name of its own.
+/// A frame fixed to the link of the tool, with a unique name.
 fn tool_link(links: &[Link], tool: usize, tool_from_grasp: Pose) -> Link {
     let mut name = format!("{}_grasp", links[tool].name);
     let is_taken = |name: &str| {

@@ -6,7 +6,7 @@ use crate::geometry::{PlanarPose, Point, Pose};
 /// Step of the search for the ends of the reach, m.
 const STEP_M: f64 = 0.01;
 /// The farthest from the drive that is searched, m.
-const FARTHEST_M: f64 = 3.0;
+const MAX_REACH_M: f64 = 3.0;
 /// Tolerance of the grasp's pose, m and rad.
 const TOLERANCE: f64 = 1e-9;
 
@@ -42,7 +42,7 @@ impl Robot {
         let pose = self.grasp_pose(&start);
         let walk = |by: f64| {
             let (mut at, mut end) = (start, pose.translation.x);
-            while end.abs() < FARTHEST_M {
+            while end.abs() < MAX_REACH_M {
                 let mut next = pose;
                 next.translation.x = end + by;
                 let Some((closed, _)) = self.close(&at, &next, TOLERANCE) else { break };
@@ -72,7 +72,7 @@ impl Robot {
     }
 
     /// The least singular value of the arm's Jacobian (m/s and rad/s per unit of joint rate): 0 where the arm
-    /// cannot move its grasp in some direction. Directions in which it never can do not count.
+    /// cannot move its grasp in some direction. Directions in which it can never move are left out.
     pub fn dexterity(&self, joints: &JointVector) -> f64 {
         self.squared_singular_values(joints)[self.freedom().clamp(1, 6) - 1].max(0.0).sqrt()
     }

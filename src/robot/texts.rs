@@ -11,7 +11,7 @@ use crate::suggestion;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Makes the text of a URDF of a xacro. The simulator starts no program and expands none itself.
+/// Expands a xacro to the text of a URDF. The simulator itself starts no program.
 pub type Expand = dyn Fn(&Path) -> Result<String, Error> + Sync;
 
 /// The name of a robot file's kind, in errors.
@@ -30,9 +30,9 @@ pub struct RobotTexts {
     /// Text of the URDF.
     pub urdf: String,
     /// Vertices of the hulls of collision meshes, or of their convex parts, in the units of their files, by
-    /// the names of the meshes in the URDF; and the sign that shapes stand in for those that are missing.
-    /// `None` if every link that collides has a shape in the URDF itself, and for robots of recordings by
-    /// versions without hulls, whose meshes do not collide.
+    /// the names of the meshes in the URDF; where there are hulls, shapes stand in for those that are
+    /// missing. `None` if every link that collides has a shape in the URDF itself, and for robots of
+    /// recordings by versions without hulls, whose meshes do not collide.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     hulls: Option<SharedHulls>,
     /// The folders in which meshes are searched for.
@@ -161,7 +161,7 @@ impl RobotTexts {
     }
 }
 
-/// The text of a URDF, or what `expand` makes of a xacro.
+/// The text of a URDF, or of a xacro expanded by `expand`.
 fn read_urdf(path: &Path, expand: Option<&Expand>) -> Result<String, Error> {
     let expanded = || expand.ok_or_else(|| xacro(path)).and_then(|expand| expand(path));
     if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("xacro")) {

@@ -134,8 +134,8 @@ impl Urdf<'_> {
         Ok(read)
     }
 
-    /// The hulls of all collision meshes that can be found and read, and warnings about the others. Nothing
-    /// of a URDF that is not valid.
+    /// The hulls of all collision meshes that can be found and read, and warnings about the others. Both are
+    /// empty for a URDF that is not valid.
     pub fn collision_hulls(self, text: &str) -> (Hulls, Vec<RobotWarning>) {
         let (mut hulls, mut warnings) = (Hulls::new(), Vec::new());
         // why a mesh has no hull, if it has none: every file is read once
@@ -288,7 +288,7 @@ impl Urdf<'_> {
     }
 }
 
-/// A URDF whose extent was checked, by the parser of others.
+/// Parses a URDF whose extent was checked, with the third-party parser.
 fn parsed(text: &str) -> Result<urdf_rs::Robot, Box<dyn std::error::Error + Send + Sync>> {
     Ok(guarded::on_thread(|| urdf_rs::read_from_string(text))??)
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// Something that a user should know about a robot that is valid all the same.
+/// A warning about a robot that is valid nevertheless.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RobotWarning {
     text: String,
@@ -13,7 +13,7 @@ pub struct RobotWarning {
 /// The subject of a [`RobotWarning`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WarningKind {
-    /// Anything that leaves collisions as they are.
+    /// Anything that does not change collisions.
     Other,
     /// A collision shape that is missing.
     MissingShape,
@@ -32,13 +32,13 @@ impl RobotWarning {
         Self { text, kind, is_about_file: false }
     }
 
-    /// The same as a warning about a file that was looked for as the robot was loaded.
+    /// The same, marked as a warning about a file that was searched for while the robot was loaded.
     pub(super) fn about_file(self) -> Self {
         Self { is_about_file: true, ..self }
     }
 
-    /// Whether it is about a file that was looked for as the robot was loaded. What a missing file means for
-    /// the robot is a warning of its own.
+    /// Whether it is about a file that was searched for while the robot was loaded. The effect of a missing
+    /// file on the robot is a separate warning.
     pub fn is_about_file(&self) -> bool {
         self.is_about_file
     }

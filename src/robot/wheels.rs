@@ -32,7 +32,7 @@ struct Wheel {
 
 /// The wheels that the robot file names: indices of their links.
 pub(super) enum Named {
-    /// The wheels of the left and of the right side, as many on either.
+    /// The wheels of the left and of the right side, equally many.
     Sides {
         /// Left and right.
         wheels: [Vec<usize>; 2],
@@ -336,7 +336,7 @@ fn calibrated(key: &str, given: f64, measured: f64) -> RobotWarning {
     RobotWarning::new(format!("{key} = {given} replaces {measured:.4} m, as measured in the URDF"))
 }
 
-/// The fault of a wheel that is not the mirror image of, or as, another one.
+/// The fault of a wheel that is neither equal to another one nor its mirror image.
 fn unlike(what: &str, value: f64, other: &str, of_other: f64) -> String {
     format!("its {what} is {value} but that of `{other}` is {of_other}; they must be the same")
 }

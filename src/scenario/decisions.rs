@@ -23,8 +23,8 @@ pub struct Decisions {
     /// The targets of the human's hand by step and control period, where the human gave one for a period.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     hands: BTreeMap<u64, Vec<Option<Point>>>,
-    /// The human's decision in the trial of the first step, which gives the start its heading, where it is
-    /// another one than in the first step.
+    /// The human's decision in the trial of the first step, which gives the start its heading, if it differs
+    /// from the decision in the first step.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     human_trial: Option<HumanDecision>,
     /// Whether the human also has the scenario's preference changes.
@@ -42,8 +42,8 @@ pub struct PolicyLog {
     pub initial_mode: Mode,
     /// Whether it needs predictions while the human leads.
     pub predicts: bool,
-    /// The decision in the trial of the first step, which gives the start its heading, where it is another one
-    /// than in the first step.
+    /// The decision in the trial of the first step, which gives the start its heading, if it differs from the
+    /// decision in the first step.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub trial: Option<Decision>,
     /// The decisions, by step.
@@ -75,15 +75,15 @@ impl Decisions {
         Self { human, hands: BTreeMap::new(), human_trial, has_changes, policy }
     }
 
-    /// The same log with the decisions in the trial of the first step, where they are others than in the first
-    /// step.
+    /// The same log with the decisions in the trial of the first step, where they differ from those in the
+    /// first step.
     #[must_use]
     pub fn with_trials(self, human: Option<HumanDecision>, policy: Option<Decision>) -> Self {
         let log = self.policy.map(|log| PolicyLog { trial: policy, ..log });
         Self { human_trial: human, policy: log, ..self }
     }
 
-    /// The same log of a human who also has the scenario's preference changes, as one who is steered has.
+    /// The same log of a human who also has the scenario's preference changes, as a steered human has.
     #[must_use]
     pub fn with_changes(self) -> Self {
         Self { has_changes: true, ..self }
@@ -146,7 +146,7 @@ impl Decisions {
         motions.all(|is| is) && targets.all(is_near)
     }
 
-    /// The human's decisions: of the trial, if it is another one, then by step.
+    /// The human's decisions: that of the trial, if it differs, then those of the steps.
     fn human_decisions(&self) -> impl Iterator<Item = &HumanDecision> {
         self.human_trial.iter().chain(self.human.iter().flatten())
     }
@@ -175,7 +175,7 @@ struct LoggedHuman {
     log: Arc<Decisions>,
     /// By step.
     changes: Vec<PreferenceChange>,
-    /// Whether the trial was, in which a copy decides.
+    /// Whether the trial, in which a copy decides, is over.
     is_tried: Arc<AtomicBool>,
     /// The present step.
     step: u64,

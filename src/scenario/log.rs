@@ -12,7 +12,7 @@ const MAX_STEPS: u64 = 1_000_000;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EpisodeLog {
-    /// The version of the form: [`EpisodeLog::VERSION`].
+    /// The version of the format: [`EpisodeLog::VERSION`].
     pub version: u32,
     /// The scenario's text (TOML).
     pub scenario: String,
@@ -28,7 +28,7 @@ pub struct EpisodeLog {
     pub digests: Vec<(u64, String)>,
     /// The number of steps.
     pub steps: u64,
-    /// The outcome's name; `None` of an episode that went on.
+    /// The outcome's name; `None` if the episode was not over.
     #[serde(default)]
     pub outcome: Option<String>,
 }

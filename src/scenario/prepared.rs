@@ -25,7 +25,8 @@ struct Scene {
     world: Arc<World>,
     options: Arc<OptionSet>,
     obstacles: RobotObstacles,
-    /// The options for the world's own `robot_width_m`, where a wider robot takes its place; made when asked.
+    /// The options for the world's own `robot_width_m`, where a wider robot takes its place; built on first
+    /// use.
     as_written: OnceLock<Arc<OptionSet>>,
 }
 
@@ -91,7 +92,7 @@ impl Scenario {
         Ok(prepared)
     }
 
-    /// Whether a robot of this width (m) in this scenario meets the scene of another.
+    /// Whether this scenario with a robot of this width (m) has the same scene as another.
     fn has_scene_of(&self, other: &PreparedScenario, width: f64) -> bool {
         let risk_weight = |scenario: &Self| scenario.settings.predictor.risk_weight();
         let others = other.robot().map_or(0.0, Robot::width);
@@ -127,7 +128,7 @@ impl PreparedScenario {
     }
 
     /// The world's options for its own `robot_width_m`, which preference changes are drawn from: the human of
-    /// a seed is the same whatever carries with them.
+    /// a seed is the same whichever robot carries with them.
     ///
     /// # Errors
     /// As [`OptionSet::new`].
@@ -153,9 +154,8 @@ impl PreparedScenario {
         self.robot()?.slow_drive(self.scenario.settings.speed)
     }
 
-    /// Warnings for a user of this robot in this world: that the world is planned for its width in place
-    /// of a smaller one; and, on the plant with contacts, which shapes are missing and what collides in their
-    /// place.
+    /// Warnings about this robot in this world: that its width takes the place of the world's smaller one;
+    /// and, on the plant with contacts, which shapes are missing and what collides in their place.
     pub fn robot_warnings(&self) -> Vec<String> {
         let Some(robot) = self.robot() else { return Vec::new() };
         let has_contacts = self.scenario.plant.physics().is_some();

@@ -15,11 +15,11 @@ use crate::suggestion::Expected;
 /// The range of alpha and gamma.
 pub const PERCEPTION: Range = Range::above(0.0, MAX_PERCEPTION);
 const PERIODS: Range = Range::between(0.01, 60.0);
-/// A key and a flag of before, and what to give in their place.
+/// A former key and flag, and what to give in their place.
 pub const PERIOD: [&str; 3] = [
     "period_s",
     "period",
-    "given as planning_step_s (--planning-step), in which phi, g and J count, or as control_period_s (--control-period), of eqs. (7) and (8); it was both in one",
+    "given as planning_step_s (--planning-step), the step of phi, g and J, or as control_period_s (--control-period), the period of eqs. (7) and (8); this former setting was both",
 ];
 const POSITIVE: Range = Range::above(0.0, 1e6);
 const NOT_NEGATIVE: Range = Range::between(0.0, 1e6);
@@ -77,7 +77,7 @@ pub const BELIEF_LAPSE: Setting = Setting {
     flag: "belief-lapse",
     path: "settings.predictor.lapse_rate",
     group: Group::Method,
-    about: "Lapse rate l of the robot's belief: with probability l, a human takes any option. Above 0, a robot that learns assumes it of what it sees, too",
+    about: "Lapse rate l of the robot's belief: with probability l, a human takes any option. Above 0, a robot that learns uses the same rate for its sightings",
     applies: Applies::Always,
     kind: Kind::Number(
         "",
@@ -301,7 +301,7 @@ pub const SETTINGS: &[Setting] = &[
         flag: "physics-rate",
         path: "physics.rate_hz",
         group: Group::Physics,
-        about: "Physics steps per second; a control period takes the nearest whole number of them",
+        about: "Physics steps per second; a control period takes a whole number of them, and the remainder goes into the next",
         applies: Applies::Bodies,
         kind: Kind::Number("Hz", Range::of(PhysicsSettings::RATES), field!(physics p => p.rate_hz)),
     },

@@ -17,7 +17,7 @@ pub(super) const POSES: &Words<CandidateSet> = &[
 pub(super) const CRITERIA: &Words<PoseCriterion> = &[
     (PoseCriterion::Expected, "expected", "Eq. (8): costs of all options, weighted by P_o"),
     (PoseCriterion::Uniform, "uniform", "Costs of all options, equally weighted"),
-    (PoseCriterion::Tracked, "tracked", "The cost of the option on which the robot estimates the human"),
+    (PoseCriterion::Tracked, "tracked", "The cost of the option that the robot expects the human to walk"),
     (
         PoseCriterion::Manipulability,
         "manipulability",

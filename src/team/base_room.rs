@@ -9,7 +9,7 @@ use crate::math;
 /// The shortest look-ahead of the base, m: where it has little room (Follower::inputs).
 const LOOK_AHEAD_M: f64 = 0.3;
 /// The sharpest curve of the base, rad per metre.
-const SHARPEST_RAD_PER_M: f64 = 5.0;
+const MAX_CURVATURE_RAD_PER_M: f64 = 5.0;
 /// Distance between places on the curve, m.
 const STEP_M: f64 = 0.05;
 /// Half the distance over which the direction of the path is taken, m.
@@ -34,9 +34,9 @@ pub(super) fn pursue(
         let bearing = wrap_angle(angle_of(goal) - yaw);
         let curvature = 2.0 * math::sin(bearing) / goal.norm().max(STEP_M);
         let (rate, ahead) = match math::cos(bearing) > 0.0 {
-            true => (curvature.clamp(-SHARPEST_RAD_PER_M, SHARPEST_RAD_PER_M), STEP_M),
+            true => (curvature.clamp(-MAX_CURVATURE_RAD_PER_M, MAX_CURVATURE_RAD_PER_M), STEP_M),
             // it turns on the spot
-            false => (SHARPEST_RAD_PER_M.copysign(bearing), 0.0),
+            false => (MAX_CURVATURE_RAD_PER_M.copysign(bearing), 0.0),
         };
         at += direction(yaw + rate * STEP_M / 2.0) * ahead;
         yaw = wrap_angle(yaw + rate * STEP_M);

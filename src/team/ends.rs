@@ -2,7 +2,7 @@
 //! surroundings ask for.
 
 use super::in_tandem::InTandem;
-use super::object_room::SHARPEST_RAD_PER_M;
+use super::object_room::MAX_TURN_RAD_PER_M;
 use super::team_path::{ARCS, BODY_ROOM_M, Turned};
 use crate::error::{Error, ErrorKind, Place};
 use crate::geometry::{Path, PlanarPose, Point, direction, wrap_angle, write_turn_onto};
@@ -31,7 +31,7 @@ impl<'a> InTandem<'a> {
     fn is_gentle(&self, way: &Path, [from, to]: [f64; 2]) -> bool {
         let steps = (to - from.max(0.0)) / TURN_STEP_M;
         let yaw = |i: u32| self.team_path().pose(way, from.max(0.0) + TURN_STEP_M * f64::from(i)).yaw;
-        (0..steps as u32).all(|i| wrap_angle(yaw(i + 1) - yaw(i)).abs() <= SHARPEST_RAD_PER_M * TURN_STEP_M)
+        (0..steps as u32).all(|i| wrap_angle(yaw(i + 1) - yaw(i)).abs() <= MAX_TURN_RAD_PER_M * TURN_STEP_M)
     }
 
     /// Whether robot, object and human have room where they stand, and can turn onto the path `first`, slowly
@@ -146,7 +146,8 @@ pub(super) struct NoRoom {
     needed: f64,
     /// How far from `start_m` or `target_m` an obstacle may be in the way, m.
     length: f64,
-    /// By how much less room on either side would do to turn onto the path, m; unknown where even none does.
+    /// The room on either side that is missing to turn onto the path, m; `None` if the team could not turn
+    /// even without any room.
     pub to_turn: Option<f64>,
 }
 

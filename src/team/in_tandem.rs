@@ -1,7 +1,7 @@
 //! A team in tandem: both ends of the object follow the path, the human ahead, the robot's end behind.
 
 use super::pace::share;
-use super::team_path::{FreeSpace, SHARPEST_BEND_RAD, TeamPath, Turned};
+use super::team_path::{FreeSpace, MAX_PATH_BEND_RAD, TeamPath, Turned};
 use super::{ARRIVAL_TOLERANCE_M, Pace, PathAhead, Place, Step, Travel, Walk, Widened};
 use crate::control::{Follower, HORIZON, Intent, Reference, reference};
 use crate::coordination::Mode;
@@ -229,7 +229,7 @@ impl Walk for InTandem<'_> {
         let team_path = self.team_path();
         let can_turn = |along: f64| {
             let next = next(team_path.point(path, along));
-            if next.sharpest_bend() > SHARPEST_BEND_RAD {
+            if next.sharpest_bend() > MAX_PATH_BEND_RAD {
                 return false;
             }
             let (next, end) = self.ended(next);

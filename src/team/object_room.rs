@@ -15,7 +15,7 @@ use crate::options::Crossing;
 const OBJECT_ROOM_M: f64 = 0.08;
 /// The largest angle by which the object turns, rad per metre of path. Beyond it the arm folds up to its
 /// limits.
-pub(super) const SHARPEST_RAD_PER_M: f64 = 2.4;
+pub(super) const MAX_TURN_RAD_PER_M: f64 = 2.4;
 /// The angle is measured over this distance on either side, m.
 const TURN_STEP_M: f64 = 0.05;
 /// Distance of the points of a shifted path, m.
@@ -152,7 +152,7 @@ impl<'a> ObjectRoom<'a> {
     fn too_sharp(&self, path: &Path, along: f64) -> Option<(f64, Vector)> {
         let [before, after] = [-TURN_STEP_M, TURN_STEP_M].map(|by| self.tandem.pose(path, along + by).yaw);
         let rate = wrap_angle(after - before).abs() / (2.0 * TURN_STEP_M);
-        let excess = rate / SHARPEST_RAD_PER_M - 1.0;
+        let excess = rate / MAX_TURN_RAD_PER_M - 1.0;
         if excess <= 0.0 {
             return None;
         }

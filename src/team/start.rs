@@ -21,7 +21,7 @@ const SEARCH_M: f64 = 3.0;
 const RING_M: f64 = 0.1;
 const PLACES: u32 = 24;
 const PLACE_STEP_M: f64 = 0.01;
-/// The accuracy of the room that is said to be missing, m.
+/// The accuracy of the missing room in messages, m.
 const MISSING_STEP_M: f64 = 0.01;
 
 /// The conditions that decide where a team starts.
@@ -188,7 +188,7 @@ fn less_room() -> impl Iterator<Item = f64> {
     (1..=steps).map(|i| MISSING_STEP_M * f64::from(i))
 }
 
-/// Places around a point, the nearest first, to the figures that are said of them.
+/// Places around a point, the nearest first, rounded as in messages.
 fn places(around: Point) -> impl Iterator<Item = Point> {
     let rings = (SEARCH_M / RING_M).round() as u32;
     (1..=rings).flat_map(move |ring| {

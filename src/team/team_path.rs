@@ -40,7 +40,7 @@ const PAST_OPENING_M: f64 = 0.6;
 const SEARCH_BEHIND_M: f64 = 1.5;
 /// The sharpest bend (rad) of a path for which a team reverses. Between close openings, a path for a point
 /// may double back.
-pub(super) const SHARPEST_BEND_RAD: f64 = 2.0;
+pub(super) const MAX_PATH_BEND_RAD: f64 = 2.0;
 
 /// The path of a team.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

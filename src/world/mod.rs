@@ -1,8 +1,9 @@
 //! A validated [`World`] from a world file (TOML): obstacles, start, target, and openings, which are measured
 //! or detected.
 //!
-//! World files hold scenes, never gains. The planar layout is extruded: every obstacle stands upright on the
-//! floor z = 0. The carried object may have a table of its own. The default is the beam of this example:
+//! World files describe scenes; controller gains are settings. The planar layout is extruded: every obstacle
+//! stands upright on the floor z = 0. The carried object may have its own table. The default is the beam of
+//! this example:
 //!
 //! ```toml
 //! [object]
@@ -51,10 +52,10 @@ const LARGE_WORLD: f64 = 1000.0;
 /// Distance from A to B below which they are one point, m.
 const SAME_PLACE_M: f64 = 0.01;
 
-/// The least width (m) of a gap that an error tells.
+/// The least width (m) of a gap that an error states.
 const MIN_NAMED_GAP_M: f64 = 1e-3;
 
-/// The distance (m) of a start or target from the line of a gap, at least.
+/// The least distance (m) of a start or target from the line of a gap.
 const OFF_GAP_M: f64 = 1e-6;
 
 /// The least difference of a robot's width from that of its world that counts, m.

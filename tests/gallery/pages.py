@@ -110,7 +110,7 @@ def page(name: str, told: dict, robots: pathlib.Path, seeds: int) -> str:
         lines += [about, ""]
     if base:
         kind = "two wheels" if "differential" in base else "four mecanum wheels"
-        lines += [f"The arm stands on a round base with {kind}, which the test makes.", ""]
+        lines += [f"The test puts the arm on a round base with {kind}.", ""]
     if is_own:
         lines += [
             f"It is a design of this project, under its licence; `assets/robots/make.py` writes its URDF and its meshes, and `cocarry export {name}`",
@@ -126,7 +126,7 @@ def page(name: str, told: dict, robots: pathlib.Path, seeds: int) -> str:
                 "The URDF itself names CC BY-NC-ND 3.0. So there is no picture of its meshes here;",
                 "`cocarry robot check robot.toml --render robot.html` shows it, where the package is installed.", "",
             ]
-    room = f"{100 * posture['room']:.0f} % of room at `{posture['tightest_joint']}`" if posture["room"] is not None else "no limits"
+    room = f"nearest to a limit: `{posture['tightest_joint']}`, {100 * posture['room']:.0f} % of half its range away" if posture["room"] is not None else "no limits"
     lines += [
         "| what | value |", "| --- | --- |",
         f"| drive | {drive_words(checked['drive'])} |",
@@ -160,7 +160,7 @@ def page(name: str, told: dict, robots: pathlib.Path, seeds: int) -> str:
     ]
     others = [f"{count} {outcome} ({PLANTS[plant]} plant)" for (plant, outcome), count in told["others"].items()]
     if others:
-        lines += [f"The others ended otherwise: {', '.join(others)}. [All robots](../gallery.md) says why."]
+        lines += [f"The others: {', '.join(others)}. [All robots](../gallery.md) says why."]
     said = "It is in `assets/robots`." if is_own else (
         f"`cocarry robot init{''.join(' ' + word for word in told['arguments'])}` drafts it from the URDF"
         + ("; what is under `[hold]` for the idle arm is added." if "right arm" in about else ".")

@@ -12,7 +12,7 @@ pub(crate) struct Request {
     pub file: String,
     pub start: Point,
     pub target: Point,
-    /// m.
+    /// The robot's width d_r, m.
     pub robot_width: f64,
     /// How far outlines may be from the cells' sides, m; a cell if not given.
     pub tolerance: Option<f64>,

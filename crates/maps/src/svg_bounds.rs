@@ -53,7 +53,7 @@ struct Sizes<'a, 'input> {
 }
 
 impl<'a, 'input> Sizes<'a, 'input> {
-    /// The elements that an element is drawn with, itself among them, behind so many references.
+    /// The number of elements that are drawn for an element, itself included, after this many references.
     fn of(&mut self, node: Node<'a, 'input>, chain: usize) -> Result<u64, String> {
         if let Some(size) = self.known.get(&node.id()) {
             return Ok(*size);

@@ -26,7 +26,7 @@ pub const STRIDE: f64 = 0.96;
 pub const STANCE: f64 = 0.62;
 /// The largest distance of a hand from the middle of the object's end.
 pub const REACH: f64 = 0.28;
-/// The distance of a hand from the wood.
+/// The distance of a hand from the surface of the object.
 pub const GRIP: f64 = 0.012;
 /// The limbs of a side that move: name, radius at either end, length, colour.
 pub const LIMBS: [(&str, [f64; 2], f64, [u8; 3]); 4] = [

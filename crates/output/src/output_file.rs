@@ -2,9 +2,9 @@
 //! `overwrite`.
 //!
 //! A file is written under another name in the same folder, and renamed when it is finished.
-//! [`OutputFile::create`] takes a new name of its own and removes the file after a failure.
-//! [`OutputFile::resumable`] takes `NAME.partial`, which remains after a crash and can be resumed or
-//! recovered. Its writer holds a lock on it, so that a name has one writer.
+//! [`OutputFile::create`] takes a unique name and removes the file after a failure. [`OutputFile::resumable`]
+//! takes `NAME.partial`, which remains after a crash and can be resumed or recovered. Its writer holds a lock
+//! on it, so that a name has one writer.
 
 mod error;
 

@@ -126,7 +126,7 @@ pub fn read_mesh(file: &Path) -> Result<Vec<u8>, Error> {
 }
 
 impl<'a> Meshes<'a> {
-    /// No meshes yet, whose files `read` reads; `None` where they cannot be found.
+    /// No meshes yet. `read` reads their files; `None` where they cannot be found.
     pub fn new(read: Option<&'a ReadMesh>) -> Self {
         Self { read, known: BTreeMap::new(), bytes: 0, data: Vec::new() }
     }

@@ -1,4 +1,4 @@
-//! Live viewing of a run: its arguments, and the viewers that the run tells.
+//! Live viewing of a run: its arguments, and the viewers that get its messages.
 
 use super::interrupt::Interrupt;
 use super::output::Failure;

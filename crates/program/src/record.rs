@@ -19,7 +19,7 @@ pub(super) struct RecordArguments {
     #[arg(long, value_name = "FILE", value_parser = mcap_file, conflicts_with = "resume")]
     pub record: Option<PathBuf>,
     /// Render the episode into this file, as `cocarry render` does from a recording: a 3-D player (.html), a
-    /// filmstrip (.svg, .png) or a moving picture (.gif). Not with --resume
+    /// filmstrip (.svg, .png) or an animation (.gif). Not with --resume
     #[arg(long, value_name = "FILE", value_parser = Target::of, conflicts_with = "resume")]
     render: Option<Target>,
 }

@@ -20,7 +20,7 @@ const KINDS: [(&str, PictureKind); 5] = [
     ("json", PictureKind::Layout),
 ];
 
-/// Render a recording: a 3-D player (.html), a filmstrip (.svg, .png), a moving picture (.gif), a layout for
+/// Render a recording: a 3-D player (.html), a filmstrip (.svg, .png), an animation (.gif), a layout for
 /// Foxglove and Lichtblick (.json)
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[

@@ -72,7 +72,7 @@ pub(super) fn run_robot_check(arguments: &CheckArguments) -> Result<ExitCode, Fa
     Ok(ExitCode::SUCCESS)
 }
 
-/// Tells all faults.
+/// Prints all faults.
 fn refused(arguments: &CheckArguments, faults: Vec<cocarry::Error>) -> Result<ExitCode, Failure> {
     let count = faults.len();
     let faults: Vec<String> = faults.into_iter().map(|fault| format!("{:#}", Error::from(fault))).collect();

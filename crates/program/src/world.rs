@@ -48,7 +48,7 @@ pub(super) struct WorldArguments {
     overwrite: OverwriteArguments,
 }
 
-/// What a map lacks for a world.
+/// The parts of a world that a map does not have.
 #[derive(Args, Debug)]
 struct MapArguments {
     /// Start A on a map, in metres
@@ -57,10 +57,10 @@ struct MapArguments {
     /// Target B on a map, in metres
     #[arg(long, value_name = "X,Y", value_parser = point, requires = "start", allow_hyphen_values = true)]
     target: Option<Point>,
-    /// Width d_r of the robot on a map [default: 0.5]
+    /// Width d_r of the robot on a map, in metres [default: 0.5]
     #[arg(long, value_name = "M", requires = "start")]
     robot_width: Option<f64>,
-    /// Distance of outlines from the sides of a map's cells, at most [default: a cell]
+    /// Largest distance of outlines from the sides of a map's cells, in metres [default: a cell]
     #[arg(long, value_name = "M", requires = "start")]
     tolerance: Option<f64>,
 }

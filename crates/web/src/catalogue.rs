@@ -1,4 +1,4 @@
-//! What there is to choose from, as the program's own tables have it.
+//! The choices of a scenario, from the program's tables.
 
 use crate::robots;
 use crate::state::OUTCOMES;

@@ -62,7 +62,7 @@ impl Open {
     /// The episode of a scenario's text.
     ///
     /// # Errors
-    /// As of the program.
+    /// As in the program.
     pub fn of_scenario(text: &str) -> Result<Self, Error> {
         Self::begin(Scenario::parse(text)?, Steering::default())
     }
@@ -238,7 +238,7 @@ impl Open {
     /// Moves everybody by whole control periods.
     ///
     /// # Errors
-    /// The time is no time.
+    /// The time is not from 0 to 3600 s.
     pub fn run(&mut self, seconds: f64) -> Result<i32, Error> {
         if !(0.0..=MAX_SECONDS).contains(&seconds) {
             let sentence = format!("seconds = {seconds}; it must be from 0 to {MAX_SECONDS}");

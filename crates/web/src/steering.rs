@@ -32,7 +32,7 @@ pub struct Steered {
     pub is_trial: bool,
     /// The decisions in the trial.
     pub trial: (Option<HumanDecision>, Option<Decision>),
-    /// Whether the human, and the policy, ever decided outside.
+    /// Whether the human, and the policy, were ever decided for from outside.
     pub was_outside: [bool; 2],
     /// The present step.
     step: u64,

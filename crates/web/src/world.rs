@@ -1,4 +1,4 @@
-//! A world while somebody draws it: outlines, openings, options, and the regions of the (alpha, gamma) plane.
+//! A world that is being drawn: outlines, openings, options, and the regions of the (alpha, gamma) plane.
 
 use crate::parts::{BeliefPart, SettingsPart, predictor};
 use cocarry::Error;

@@ -1,4 +1,4 @@
-"""The frames of a recording for learners: what was known at the beginning of every control period, and what was done."""
+"""The frames of a recording for learners: what was known at the beginning of every planning step, and what was done."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Signal:
 
 @dataclass(frozen=True)
 class Frames:
-    """An episode of n control periods."""
+    """An episode of n planning steps."""
 
     name: str
     """In errors."""
@@ -44,11 +44,11 @@ class Frames:
     method: str
     """The scenario's, or own(NAME)."""
     outcome: dict[str, Any]
-    period_s: float
+    step_s: float
     times_s: Floats
-    """(n,): the beginnings of the periods, simulated."""
+    """(n,): the beginnings of the planning steps, simulated, s."""
     state: Signal
-    """(n + 1, .) with a robot, (n, .) for a point: where the team is at the beginning of the periods and at the end."""
+    """(n + 1, .) with a robot, (n, .) for a point: where the team is at the beginning of the steps and at the end."""
     options: Signal
     """(n, .): what eq. (6) is a function of, for as many options as asked for; with a robot also the grasp's goal."""
     motion: Signal | None
@@ -62,7 +62,7 @@ class Frames:
 
     @property
     def observed(self) -> Signal:
-        """(n + 1, .): state and options, those at the end as in the last period; of a point the options alone."""
+        """(n + 1, .): state and options, those at the end as in the last step; of a point the options alone."""
         options = Signal(self.options.names, self.options.units, np.vstack([self.options.values, self.options.values[-1:]]))
         return options if self.motion is None else self.state.joined(options)
 
@@ -132,7 +132,7 @@ def frames_of(name: str, recording: Recording, options: int) -> Frames:
     found = Frames(
         name=name, scenario=scenario, world=recording.provenance["world"], method=recording.provenance["method"],
         outcome=outcome, times_s=times, state=state, options=known,
-        period_s=float(scenario.settings["planning_step_s"]), motion=motion,
+        step_s=float(scenario.settings["planning_step_s"]), motion=motion,
         decision=np.where(human_leads, options, executed), cost_m=cost, option_count=options,
     )  # fmt: skip
     _check(found)
@@ -197,7 +197,7 @@ def _options(table: Columns, names: list[str], count: int, executed: Any) -> Sig
     blocks = np.zeros((len(executed), count, len(_OPTION) + 1))
     for index, name in enumerate(names):
         blocks[:, index, :-1] = np.nan_to_num(table.numbers(*(f"options[{name}].{key}" for key in _OPTION)))
-        blocks[1:, index, -1] = executed[:-1] == index  # of the last period
+        blocks[1:, index, -1] = executed[:-1] == index  # of the last step
     keys = [*_OPTION, "executed"]
     labels = [f"{key}[{index}]" for index in range(count) for key in keys]
     units = [*_OPTION.values(), "1"] * count
@@ -230,7 +230,7 @@ def _check(frames: Frames) -> None:
     signals = {"state": frames.state, "options": frames.options, **({"u": frames.motion} if frames.motion else {})}
     for key, signal in signals.items():
         if len(signal.values) not in (count, count + 1):
-            raise DatasetError(f"{frames.name}: {len(signal.values)} rows of {key} for {count} periods; the recording has gaps")
+            raise DatasetError(f"{frames.name}: {len(signal.values)} rows of {key} for {count} steps; the recording has gaps")
         bad = np.argwhere(~np.isfinite(signal.values))
         if len(bad):
             row, column = bad[0]

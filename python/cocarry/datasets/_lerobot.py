@@ -33,17 +33,17 @@ def to_lerobot(
 ) -> pathlib.Path:
     """Writes episodes as a LeRobotDataset (codebase version v3.0): state, action and metadata, without video.
 
-    A frame is a control period. What a policy knows is from the period's beginning, what it did is of the period:
+    A frame is a planning step. What a policy knows is from the beginning of the step; what it did is in the step:
 
     observation.state: a point's position; a robot's base, as position and the part of its quaternion that turns about z,
         and its joints; with physics also the joints' rates, the object's place, and mean force and torque of the hand on
-        the object in the last period (0 before the first).
+        the object in the last step (0 before the first).
     observation.environment_state: the observation of ``cocarry/Options-v0``: every option's quantities, phi(k), who leads;
-        with a robot also the grasp's goal for the end of the period.
+        with a robot also the grasp's goal for the end of the step.
     action: a point's: the action of ``cocarry/Options-v0``, the option on which the robot leads, or the number of options
         where the human leads. A robot's: u, rim speeds and joint rates.
     decision: with a robot, what the action of a point is.
-    next.reward: minus the objective cost of the period, J (m). next.done, next.success: at the last frame.
+    next.reward: minus the objective cost of the step, J (m). next.done, next.success: at the last frame.
 
     Numbers are the recording's, in float64; ``timestamp`` is float32, as the format has it. (LeRobot's loader makes
     float32 of numbers.) Names and units are in ``meta/info.json`` and in the data set's card, ``README.md``. The table of
@@ -53,7 +53,7 @@ def to_lerobot(
     LeRobot's own are.
 
     episodes: Recordings, their files, Scenarios or Episodes that have not begun, which run here. All have teams of one
-        kind, with the same period, which is a whole number of frames per second.
+        kind, with the same planning step, of which a whole number make a second.
     folder: of the data set. task: what the policies are told; default: to carry the object from A to B in the world.
     license: an identifier of the Hugging Face Hub, for the card.
 
@@ -107,7 +107,7 @@ class _Writer:
         task = self.task or f"Carry the object together with the human from A to B in {frames.scenario.world.name}."
         columns = _columns(frames)
         columns |= {
-            "timestamp": (np.arange(count) * frames.period_s).astype(np.float32),
+            "timestamp": (np.arange(count) * frames.step_s).astype(np.float32),
             "frame_index": np.arange(count),
             "episode_index": np.full(count, index),
             "index": self.frames + np.arange(count),
@@ -166,7 +166,7 @@ class _Writer:
             "chunks_size": _CHUNK_FILES,
             "data_files_size_in_mb": _FILE_MB,
             "video_files_size_in_mb": 200,
-            "fps": round(1 / self.first.period_s),
+            "fps": round(1 / self.first.step_s),
             "splits": {"train": f"0:{len(self.rows)}"},
             "data_path": _DATA,
             "video_path": None,
@@ -227,14 +227,14 @@ def _features(frames: Frames) -> dict[str, dict[str, Any]]:
 
 
 def _check_alike(frames: Frames, first: Frames, has_same_features: bool) -> None:
-    rate = 1 / frames.period_s
+    rate = 1 / frames.step_s
     if round(rate) < 1 or abs(rate - round(rate)) > 1e-9:
         raise DatasetError(
-            f"{frames.name}: planning_step_s = {frames.period_s:g}; LeRobot needs a whole number of frames per second, "
+            f"{frames.name}: planning_step_s = {frames.step_s:g}; LeRobot needs a whole number of frames per second, "
             "as with 0.1, 0.2, 0.25 or 0.5"
         )
-    if frames.period_s != first.period_s:
-        raise DatasetError(f"{frames.name}: planning_step_s = {frames.period_s:g}; that of {first.name} is {first.period_s:g}")
+    if frames.step_s != first.step_s:
+        raise DatasetError(f"{frames.name}: planning_step_s = {frames.step_s:g}; that of {first.name} is {first.step_s:g}")
     of, other = (f.scenario.robot.name if f.scenario.robot else "point" for f in (frames, first))
     if (frames.scenario.plant, of) != (first.scenario.plant, other) or not has_same_features:
         raise DatasetError(
@@ -301,7 +301,7 @@ configs:
 # A human and a robot carry an object together
 
 Simulated with cocarry {__version__} on the plant `{first.scenario.plant}`, team: {info["robot_type"]}. {len(rows)} episode{"" if len(rows) == 1 else "s"},
-{info["total_frames"]} frames at {info["fps"]} per second of simulated time (a frame is a control period of {first.period_s:g} s).
+{info["total_frames"]} frames at {info["fps"]} per second of simulated time (a frame is a planning step of {first.step_s:g} s).
 Outcomes: {", ".join(f"{name} {count}" for name, count in sorted(outcomes.items()))}.
 Worlds: {", ".join(sorted({row["scenario_world"] for row in rows}))}. Methods: {", ".join(sorted({row["scenario_method"] for row in rows}))}.
 
@@ -310,10 +310,10 @@ Worlds: {", ".join(sorted({row["scenario_world"] for row in rows}))}. Methods: {
 
 ## Features
 
-Observations are of the beginning of a control period; actions are of that period. Axes are those of the world, z up.
+Observations are from the beginning of a planning step; actions are those in that step. Axes are those of the world, z up.
 Rotations are parts of the quaternion about z. `[i]` is the i-th option. The action `option_or_follow` (feature `{"action" if first.motion is None else "decision"}`)
 is the option on which the robot leads, or the number of options where the human leads. `next.reward` is minus the objective
-cost J of the period.
+cost J of the step.
 
 | feature | index | name | unit | type |
 | --- | --- | --- | --- | --- |

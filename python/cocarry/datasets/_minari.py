@@ -78,12 +78,12 @@ def to_minari(
 def recorded_to_minari(episodes: Iterable[Source], dataset_id: str, *, overwrite: bool = False, **about: Any) -> Any:
     """Writes recordings, or episodes that run here, as a Minari data set, with Minari itself.
 
-    A step is a control period. A team that is a point has the observations and actions of ``cocarry/Options-v0`` (the
+    A step is a planning step. A team that is a point has the observations and actions of ``cocarry/Options-v0`` (the
     option on which the robot leads, or their number where the human leads). A robot's observations are the numbers of
     ``observation.state`` and then of ``observation.environment_state`` of ``to_lerobot``, its actions are u: rim speeds (m/s)
     and joint rates (rad/s, prismatic m/s). The numbers are the recording's, in float64; at the end of an episode the options
     are those of its last step, and so is all of a point's observation.
-    Rewards are minus the objective cost of the period, J (m). An episode is truncated when its steps ran out, else
+    Rewards are minus the objective cost of the step, J (m). An episode is truncated when its steps ran out, else
     terminated. Per episode: ``scenario_text`` (the whole scenario), ``scenario_world``, ``scenario_seed``,
     ``scenario_alpha``, ``scenario_gamma``, ``scenario_plant``, ``scenario_method`` (own(NAME) for an Episode with a custom
     policy) and ``outcome``.

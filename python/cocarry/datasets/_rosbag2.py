@@ -30,7 +30,7 @@ def to_rosbag2(recording: Recording | Path, bag: Path, *, overwrite: bool = Fals
     /odom: nav_msgs/Odometry: the base's pose, and the constant twist, in the base's frame, that leads there from the
         last one. Covariances are 0, as for unknown ones.
     /grip_wrench, /hand_wrench: geometry_msgs/WrenchStamped, with physics: mean force and torque of robot and human on
-        the object in the last period, the torque about the grip, in axes of ``world``.
+        the object in the last planning step, the torque about the grip, in axes of ``world``.
     /path: nav_msgs/Path, the path of the executed option from where it was planned to B, on the floor; poses look to
         the next point.
 

@@ -1,4 +1,4 @@
-//! A lane: one environment, which draws its episodes from a generator of its own.
+//! A lane: one environment, which draws its episodes from its own generator.
 
 use super::rules::{Autoreset, Rules, Task};
 use crate::episode::Cell;

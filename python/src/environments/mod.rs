@@ -1,7 +1,7 @@
 //! Environments for learners: episodes side by side, each step decided by actions, in preallocated arrays.
 //!
-//! A lane is one environment. Every lane draws its episodes from a generator of its own, so N lanes are equal
-//! to N single environments bit for bit, for any number of threads.
+//! A lane is one environment. Every lane draws its episodes from its own generator, so N lanes are equal to N
+//! single environments bit for bit, for any number of threads.
 
 mod lane;
 mod rules;

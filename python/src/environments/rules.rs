@@ -19,7 +19,8 @@ pub(super) const MAX_VALUE: f64 = 1e7;
 pub(super) const COMMON: [&str; 3] = ["stubbornness", "human_leads", "human_takes_over"];
 /// The flag of the executed option, after the quantities of an option.
 pub(super) const EXECUTED: &str = "executed";
-/// Points of the path ahead in an observation of [`Task::Inputs`] and [`Task::Reference`], one a period.
+/// Points of the path ahead in an observation of [`Task::Inputs`] and [`Task::Reference`], one per planning
+/// step.
 pub(super) const AHEAD: usize = HORIZON;
 
 /// What the actions decide.

@@ -1,4 +1,4 @@
-//! Own policies and humans: the views that they get, and what they may return.
+//! Custom policies and humans: the views that they get, and what they may return.
 
 mod answers;
 mod views;
@@ -65,7 +65,7 @@ impl Clone for Partner {
     }
 }
 
-/// A deep copy; functions are their own.
+/// A deep copy; of a function, the function itself.
 pub fn copy(object: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
     let copy = object.py().import("copy")?;
     copy.call_method1("deepcopy", (object,)).map(Bound::unbind).map_err(|cause| {

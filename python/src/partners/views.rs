@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// How far the chords of a path may be off its arcs, m.
 const SAGITTA_M: f64 = 1e-3;
 
-/// What both a custom policy and a custom human see at the beginning of a control period.
+/// What both a custom policy and a custom human see at the beginning of a planning step.
 #[pyclass(frozen, subclass, module = "cocarry._cocarry", name = "View")]
 pub struct PyView {
     pub(super) step: u64,
@@ -75,7 +75,8 @@ impl PyView {
     fn hand<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         self.hand.as_ref().map(|pose| matrix(py, pose)).transpose()
     }
-    /// Mean wrench of the human on the object in the last period, world axes, N and Nm; physical plant only.
+    /// Mean wrench of the human on the object in the last planning step, world axes, N and Nm; physical plant
+    /// only.
     #[getter]
     fn hand_wrench<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
         self.hand_wrench.as_ref().map(|wrench| PyArray1::from_slice(py, wrench))
@@ -103,7 +104,7 @@ fn matrix<'py>(py: Python<'py>, pose: &Pose) -> PyResult<Bound<'py, PyArray2<f64
     Ok(PyArray2::from_vec2(py, &rows)?)
 }
 
-/// What a custom policy sees at the beginning of a control period.
+/// What a custom policy sees at the beginning of a planning step.
 #[pyclass(frozen, extends = PyView, module = "cocarry", name = "RobotView")]
 pub struct PyRobotView {
     pub(super) prepared: Arc<PreparedScenario>,
@@ -158,7 +159,8 @@ impl PyRobotView {
     fn object<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         self.object.as_ref().map(|pose| matrix(py, pose)).transpose()
     }
-    /// Mean wrench of the robot on the object in the last period, world axes, N and Nm; physical plant only.
+    /// Mean wrench of the robot on the object in the last planning step, world axes, N and Nm; physical plant
+    /// only.
     #[getter]
     fn grip_wrench<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
         self.grip_wrench.as_ref().map(|wrench| PyArray1::from_slice(py, wrench))
@@ -207,7 +209,7 @@ impl PyHandView {
     }
 }
 
-/// What a custom human sees at the beginning of a control period.
+/// What a custom human sees at the beginning of a planning step.
 #[pyclass(frozen, extends = PyView, module = "cocarry", name = "HumanView")]
 pub struct PyHumanView {
     pub(super) prospects: Vec<Prospect>,

@@ -15,8 +15,8 @@ const EARLY_MARGIN: f64 = 0.01;
 /// A disc that strings bend around.
 #[derive(Clone, Debug)]
 pub(in crate::options) struct Disc {
-    /// The parts of obstacles that it is around.
-    pub own: Vec<usize>,
+    /// The parts of obstacles around which it lies.
+    pub parts: Vec<usize>,
     pub center: Point,
     pub radius: f64,
     /// For a corner, the outward normals of its two sides, counter-clockwise. A taut string touches between
@@ -29,7 +29,7 @@ impl Disc {
     pub fn all_of(first: usize, solid: &Solid, clearance: f64) -> Vec<Self> {
         let around = |(i, part): (usize, &Footprint)| match part {
             Footprint::Disc { center, radius } => Some(Self {
-                own: vec![first + i],
+                parts: vec![first + i],
                 center: *center,
                 radius: radius + clearance,
                 between: None,
@@ -37,9 +37,9 @@ impl Disc {
             Footprint::Polygon(_) => None,
         };
         let corner = |corner: &Corner| {
-            let own = (0..solid.parts.len()).filter(|&i| corner.is_of(&solid.parts[i]));
-            let own = own.map(|i| first + i).collect();
-            Self { own, center: corner.at, radius: clearance, between: Some(corner.normals) }
+            let parts = (0..solid.parts.len()).filter(|&i| corner.is_of(&solid.parts[i]));
+            let parts = parts.map(|i| first + i).collect();
+            Self { parts, center: corner.at, radius: clearance, between: Some(corner.normals) }
         };
         solid.parts.iter().enumerate().filter_map(around).chain(solid.corners.iter().map(corner)).collect()
     }
@@ -68,7 +68,7 @@ impl Disc {
         })
     }
 
-    /// Whether the point `at` of the circle is certainly none that a taut string touches. This is quicker than
+    /// Whether a taut string certainly does not touch the circle at its point `at`. This is quicker than
     /// [`Disc::is_taut`] and leaves cases within rounding to it.
     pub fn is_slack(&self, at: Point) -> bool {
         const ROUNDING: f64 = 1e-9;
@@ -149,7 +149,7 @@ mod tests {
                 let corner = Point::new(rng.random_range(-3.0..3.0), rng.random_range(-3.0..3.0));
                 let first = rng.random_range(0.0..TAU);
                 let normals = [first, first + rng.random_range(0.1..3.0)].map(direction);
-                Disc { own: vec![0], center: corner, radius: 0.25, between: Some(normals) }
+                Disc { parts: vec![0], center: corner, radius: 0.25, between: Some(normals) }
             };
             let discs = [disc(), disc()];
             for [from, to] in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]] {

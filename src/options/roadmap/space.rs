@@ -179,7 +179,8 @@ impl Space {
         let near = Bounds { min: middle, max: middle }.grown(self.clearance + half + LOOKUP_MARGIN_M);
         !self.near_obstacles.any_meeting(near, |i| {
             // a taut arc touches its own obstacle and does not enter it
-            !disc.own.contains(&i) && !self.is_arc_clear_of(&self.obstacles[i].0, disc, from_angle, sweep, 0)
+            !disc.parts.contains(&i)
+                && !self.is_arc_clear_of(&self.obstacles[i].0, disc, from_angle, sweep, 0)
         })
     }
 

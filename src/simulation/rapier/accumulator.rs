@@ -1,4 +1,4 @@
-//! Means, peaks, work and jerk of a control period, accumulated over its physics steps.
+//! Means, peaks, work and jerk since an observation was begun, accumulated over the physics steps.
 
 use super::grip::WrenchSample;
 use super::noise::{Coefficients, HighPass};
@@ -7,14 +7,14 @@ use super::{Forces, Wrench};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// An accumulator over the physics steps of a control period.
+/// An accumulator over the physics steps since an observation was begun.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Accumulator {
     pub touches: Touches,
     grips: [Sum; 2],
     squared_jerk: f64,
     effort_share: f64,
-    /// Velocity (m/s) and acceleration (m/s^2) of the object after the last step; kept between periods.
+    /// Velocity (m/s) and acceleration (m/s^2) of the object after the last step; kept between observations.
     velocity: Vector3<f64>,
     acceleration: Vector3<f64>,
 }

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-/// The corner frequency, Hz: above the gait (0.9 and 1.8), the control periods (5) and the hand's hold (4).
+/// The corner frequency, Hz: above the gait (0.9 and 1.8), the planning steps (5) and the hand's hold (4).
 pub(super) const NOISE_FREQUENCY: f64 = 10.0;
 
 /// A Butterworth high-pass filter of second order, by the bilinear transform that is exact at its corner.

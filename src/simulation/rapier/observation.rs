@@ -1,11 +1,13 @@
-//! The observation of the physical plant after a control period. Vectors in world axes, SI units.
+//! The observation of the physical plant: its present state, and forces and contacts since the observation
+//! was [begun](super::PhysicalPlant::begin). An episode begins one in every planning step. Vectors in world
+//! axes, SI units.
 
 use crate::geometry::{PlanarPose, Pose};
 use crate::robot::{BaseInput, Configuration, JointVector, without_last};
 use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// The state of the physical plant, and the events of the last control period.
+/// The state of the physical plant, and forces and contacts since the observation was begun.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Observation {
     /// Simulated time, s.
@@ -20,11 +22,11 @@ pub struct Observation {
     /// Efforts of the joints' motors in the last step, Nm or N. `effort_share` tells how exactly they keep
     /// their limits.
     pub joint_efforts: JointVector,
-    /// Largest motor effort in a physics step of the period, as a share of the URDF's effort limit; 0 without
-    /// such limits. It may slightly exceed 1: a motor is clamped to its limit as if its joint kept its rate
-    /// during the step, but the effort follows from the rate at the end of the step.
+    /// Largest motor effort in a physics step since the observation was begun, as a share of the URDF's
+    /// effort limit; 0 without such limits. It may slightly exceed 1: a motor is clamped to its limit as if
+    /// its joint kept its rate during the step, but the effort follows from the rate at the end of the step.
     pub effort_share: f64,
-    /// What turns the wheels, since the start: angles of the left and the right wheels, rad. Omnidirectional:
+    /// What has rolled since the start: angles of the left and the right wheels, rad. Omnidirectional:
     /// distances ahead and to the left, m, and the angle turned, rad. See
     /// [`Wheel::of`](crate::robot::Wheel::of).
     #[serde(rename = "wheel_angles", with = "without_last")]
@@ -45,17 +47,17 @@ pub struct Observation {
     pub grip: Forces,
     /// The human's grip on the object, at the front end.
     pub hand_grip: Forces,
-    /// Integral over the period of the square of the jerk of the object's centre, m^2/s^5.
+    /// Integral of the square of the jerk of the object's centre since the observation was begun, m^2/s^5.
     pub squared_jerk: f64,
-    /// Contacts during the period, in a fixed order.
+    /// Contacts since the observation was begun, in a fixed order.
     pub contacts: Vec<Contact>,
-    /// Clearances at the end of the period.
+    /// Present clearances.
     pub clearances: Clearances,
     /// The failure, if any.
     pub failure: Option<Failure>,
 }
 
-/// Smallest distances after a period; `None` where there is no such pair of bodies.
+/// Smallest present distances; `None` where there is no such pair of bodies.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Clearances {
     /// Between the robot and an obstacle.
@@ -86,10 +88,10 @@ pub struct Wrench {
     pub torque: Vector3<f64>,
 }
 
-/// The forces of a grip during a control period.
+/// The forces of a grip since the observation was begun.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Forces {
-    /// Mean over the period.
+    /// Mean over the physics steps.
     pub mean: Wrench,
     /// Wrench in the last step.
     pub last: Wrench,
@@ -140,7 +142,7 @@ pub struct Part {
     pub name: String,
 }
 
-/// Two parts that touched during a control period.
+/// Two parts that touched since the observation was begun.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
     /// The two parts, in the order of [`BodyKind`].

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PhysicsSettings {
-    /// Physics steps per second of simulated time, Hz. A control period has `round(period * rate_hz)` of
-    /// them.
+    /// Physics steps per second of simulated time, Hz. A control period has a whole number of them; what
+    /// remains goes into the next.
     pub rate_hz: f64,
     /// Solver iterations over all constraints in a step: the grips and contacts. Arm and base are solved
     /// exactly. With twelve iterations at 100 Hz, forces are within 1e-3 N of those with a hundred, and within

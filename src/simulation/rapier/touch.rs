@@ -10,7 +10,7 @@ use rapier3d::parry::query::distance;
 use rapier3d::prelude::{Collider, ContactPair, PhysicsWorld};
 use serde::{Deserialize, Serialize};
 
-/// The contact of two parts (by number) during a control period so far.
+/// The contact of two parts (by number) since an observation was begun.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Touch {
     between: [usize; 2],
@@ -19,7 +19,7 @@ pub(super) struct Touch {
     force: f64,
 }
 
-/// The contacts of a control period, ordered by their parts.
+/// The contacts since an observation was begun, ordered by their parts.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Touches(Vec<Touch>);
 

@@ -140,7 +140,8 @@ impl Film<'_> {
         Track { stubbornness, ..track(Vec::new()) }.check()
     }
 
-    /// Everything that the episode is about: options, openings, ends, and where the bodies come.
+    /// The area of everything in the episode: options, openings, start and target, and wherever the bodies
+    /// come.
     pub(super) fn content(&self) -> Bounds {
         let begin = self.options.begin();
         let paths = (0..self.options.options().len()).filter_map(|o| self.options.path(&begin, o));
@@ -284,7 +285,7 @@ impl Film<'_> {
     }
 
     /// The label of the threshold, above or below its line, where it covers neither phi nor the lines of
-    /// instants. It is at the same place in every picture of a moving one.
+    /// instants. It is at the same place in every frame of an animation.
     fn threshold_label(&self, plot: &Plot, frame: Bounds, marks: &[(usize, &Moment)]) -> Element {
         let mut clutter = Clutter::new(frame);
         let phi: Vec<Point> = self.moments.iter().map(|m| plot.at(m.time, m.stubbornness)).collect();

@@ -1,4 +1,4 @@
-//! The pictures of a moving one: the team in the middle of a map that moves with it, phi over time, and the
+//! The frames of an animation: the team in the middle of a map that moves with it, phi over time, and the
 //! whole way.
 
 use super::Moment;
@@ -18,7 +18,7 @@ const WINDOW_M: f64 = 7.0;
 /// Height of a line of the words above the map, px.
 const LINE: f64 = 24.0;
 
-/// The pictures of a moving one: all have the same size, with the same parts in the same places.
+/// The frames of an animation: all have the same size, with the same parts in the same places.
 pub struct Moving<'a> {
     film: &'a Film<'a>,
     width: f64,
@@ -36,8 +36,8 @@ pub struct Moving<'a> {
 }
 
 impl<'a> Film<'a> {
-    /// The pictures of a moving one. `width` is the layout's, px. Each has room for `lines` lines of words,
-    /// and shows no more; without a number, for the longest.
+    /// The frames of an animation. `width` is the layout's, px. Each has room for `lines` lines of words, and
+    /// shows no more; with `None`, for the longest text.
     ///
     /// # Errors
     /// There is nothing to draw, or a number cannot be drawn.

@@ -1,7 +1,7 @@
 //! A server of a page's files for browsers on this computer: HTTP/1.1, one request a connection.
 //!
-//! It listens at the loopback address alone, and answers only requests that name this computer as their host: a
-//! web page of others cannot read it by a name of its own that leads here (DNS rebinding).
+//! It listens at the loopback address alone, and answers only requests that name this computer as their host:
+//! a foreign web page cannot read it through a host name that resolves to this computer (DNS rebinding).
 
 use super::files::Pages;
 use std::collections::BTreeMap;

@@ -22,10 +22,10 @@ use std::path::PathBuf;
 /// Fit the tolerance eta of participants to the steps at which they asked to stop following the robot
 ///
 /// Switches are CSV with the columns participant, world, option and step: one row for every option that a
-/// participant watched the robot walk, and the planning step (0.2 s and 0.1 m) at which the participant asked
-/// to switch, empty if never. Instead of an option, a column `method` may have the value `mutual`: the robot
-/// chose its option as in `cocarry run`. A column `trial` distinguishes repetitions. `world` is a world file,
-/// relative to the file of switches, or a built-in world.
+/// participant watched the robot walk, and the planning step (0.2 s and 0.1 m by default) at which the
+/// participant asked to switch, empty if never. Instead of an option, a column `method` may have the value
+/// `mutual`: the robot chose its option as in `cocarry run`. A column `trial` distinguishes repetitions.
+/// `world` is a world file, relative to the file of switches, or a built-in world.
 ///
 /// g(k) is the same for everyone. A switch at step k therefore implies
 /// g(k - 1) / ln(1 / phi(0)) <= eta < g(k) / ln(1 / phi(0)). Without a switch, eta is at least the last of

@@ -68,7 +68,7 @@ pub(super) struct InferArguments {
     /// Planning step in which steps and eta count, in seconds
     #[arg(long, value_name = "SECONDS", default_value_t = episode::Settings::default().planning_step, value_parser = number(&PLANNING_STEP), allow_negative_numbers = true)]
     planning_step: f64,
-    /// Take every participant of the answers as the mean of so many people, and infer their population only
+    /// Take each participant in the answers as the mean of this many people, and infer only their population
     #[arg(long, value_name = "PEOPLE", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     means_of: Option<u64>,
     /// Infer every participant alone, without a population

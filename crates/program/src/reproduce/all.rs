@@ -63,7 +63,7 @@ pub(in super::super) struct AllArguments {
     /// Random indoor worlds in the study of starts [default: 200]
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     rooms: Option<u64>,
-    /// People of each of 6 kinds in each of 6 groups of worlds, who the robot learns [default: 200]
+    /// People of each of 6 kinds in each of 6 groups of worlds, about whom the robot learns [default: 200]
     #[arg(long, value_parser = clap::value_parser!(u64).range(2..=1_000_000))]
     people: Option<u64>,
     /// Simulated studies in each of 45 cells of the coverage of the fits; and two fifths of them for each of

@@ -16,17 +16,20 @@ use cocarry::scenario::PreparedScenario;
 #[derive(Clone, Debug)]
 pub struct Encoder<'a> {
     prepared: &'a PreparedScenario,
+    /// The lines of the options, as they were last sent.
     options: scene::OptionLines,
-    /// The `/scene/team` message of another recording of the episode, in place of one of its own.
+    /// The `/scene/team` message of another recording of the episode, if it is used in place of a new one.
     team: Option<Vec<u8>>,
     events: Events,
+    /// The line that the team has walked; the points inside straight parts are left out.
     walked: Vec<Point>,
-    /// The belief in the last message about it.
+    /// What the last `/learned` message was made from.
     learned: Option<Known>,
+    /// The messages of the last call.
     messages: Vec<Message>,
 }
 
-/// The values that a belief depends on.
+/// The values that a learned belief depends on. A new message is sent only where they changed.
 #[derive(Clone, Debug, PartialEq)]
 struct Known {
     perception: Learned,

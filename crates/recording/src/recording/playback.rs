@@ -12,7 +12,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::io::Read;
 
-/// The largest number of steps that are read: an hour and a half of control periods of 0.2 s.
+/// The largest number of steps that are read: 100 minutes of planning steps of 0.2 s.
 const MAX_STEPS: usize = 30_000;
 
 /// The largest coordinate, m: that of a world.

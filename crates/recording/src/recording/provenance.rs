@@ -62,7 +62,6 @@ impl Provenance {
     }
 }
 
-/// The last part of a path.
 /// The name of a file without its folders.
 fn stripped(path: &str) -> String {
     path.rsplit_once(['/', '\\']).map_or(path, |(_, name)| name).to_owned()

@@ -20,7 +20,7 @@ const FIGURES: [&str; 8] = [
     "eta_interval",
 ];
 
-/// The belief over time and the human as they are; `None` if the recording's robot does not learn.
+/// The belief over time and the true human; `None` if the recording's robot does not learn.
 pub(super) fn learned(playback: &Playback) -> Option<Value> {
     let messages = playback.messages(Channel::Learned);
     let (_, first) = messages.iter().find(|(_, message)| is_complete(&message["human"]))?;

@@ -1,4 +1,4 @@
-//! Pictures of an episode as files: filmstrips as SVG and PNG, and moving ones as GIF.
+//! Pictures of an episode as files: filmstrips as SVG and PNG, and animations as GIF.
 
 use super::film::film;
 use crate::recording::Playback;
@@ -15,15 +15,15 @@ use std::fmt::Display;
 const RESOLUTION: f64 = 300.0;
 /// Width of the layout per inch, px: type is 16.5 px high, which is 7.2 pt.
 const LAYOUT_PER_INCH: f64 = 16.5 * 72.0 / 7.2;
-/// A moving picture shows the recording at twice its speed, in hundredths of a second for a second.
+/// An animation shows the recording at twice its speed: hundredths of a second for a simulated second.
 const SPEED: f64 = 50.0;
-/// A moving stimulus shows it as it was.
+/// A moving stimulus shows it in real time.
 const REAL_TIME: f64 = 100.0;
-/// The time for which the last picture stays, hundredths of a second.
+/// The time for which the last frame stays, hundredths of a second.
 const STAY: u16 = 250;
-/// The number of colours of a moving picture, besides the transparent one.
+/// The number of colours of an animation, besides the transparent one.
 const COLOURS: usize = 95;
-/// The largest number of pictures in a moving one, and how many of them its colours are chosen from.
+/// The largest number of frames of an animation, and the number of frames that its colours are chosen from.
 const MAX_PICTURES: usize = 600;
 const SAMPLES: usize = 12;
 
@@ -63,7 +63,8 @@ impl Width {
     }
 }
 
-/// The filmstrip as SVG: the team at `instants` times on one map, with phi next to it. Its text is text.
+/// The filmstrip as SVG: the team at `instants` times on one map, with phi next to it. Its letters are SVG
+/// text.
 ///
 /// # Errors
 /// There is nothing to draw, or a number cannot be drawn.
@@ -81,8 +82,8 @@ pub fn filmstrip_png(playback: &Playback, instants: usize, width: Width) -> Resu
     picture.encode_png().map_err(no_image)
 }
 
-/// The team on the map with phi next to it, as a moving GIF at twice the recording's speed. Of a long episode
-/// it shows every second step, or every third, and so on.
+/// The team on the map with phi next to it, as an animated GIF at twice the recording's speed. Of a long
+/// episode it shows every second step, or every third, and so on.
 ///
 /// # Errors
 /// As [`filmstrip_png`].
@@ -159,7 +160,7 @@ pub struct Pixels {
 /// The lines of words in the picture of an episode so far: its size must not change while the episode runs.
 const TOLD_LINES: usize = 3;
 
-/// The last picture of [`moving_gif`].
+/// The last frame of [`moving_gif`].
 ///
 /// # Errors
 /// As [`filmstrip_png`].

@@ -139,7 +139,7 @@ fn seconds(time: u64) -> f64 {
     time as f64 / 1e9
 }
 
-/// The largest magnitude of a figure that the page shows: what is beyond is no figure of an episode.
+/// The largest magnitude of a figure that the page shows; no figure of an episode is larger.
 const MAX_FIGURE: f64 = 1e9;
 
 /// A figure of a recording; null where it is not a number that the page can show.

@@ -1,9 +1,9 @@
 //! Simulation-based calibration of what the robot learns (Talts et al. 2018, arXiv:1804.06788).
 //!
-//! Humans are drawn from the prior and observed as the model says; the belief then has to give each of them
-//! their due. The posterior probability up to a parameter's true value is uniform on [0, 1] over the
-//! replications, and regions of 50, 80 and 95 % contain the truth that often. A belief that is too certain,
-//! too vague or off to one side fails.
+//! Humans are drawn from the prior and observed as the model says. For a calibrated belief, the posterior
+//! probability up to a parameter's true value is uniform on [0, 1] over the replications, and regions of 50,
+//! 80 and 95 % contain the truth that often. A belief that is too certain, too vague or off to one side
+//! fails.
 
 use super::Guidance;
 use crate::parallel::{OnDone, in_parallel};
@@ -43,7 +43,7 @@ pub struct Calibration {
     pub sightings: u32,
     /// Tasks under the robot's lead with each human.
     pub tasks: u32,
-    /// The seed of all.
+    /// The seed of all draws.
     pub seed: u64,
 }
 

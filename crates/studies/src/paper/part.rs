@@ -38,7 +38,7 @@ pub struct Plan<'a> {
     pub slot_walks: usize,
     /// Number of random indoor worlds in the study of starts.
     pub rooms: usize,
-    /// Number of people of each kind in each group of worlds, who the robot learns.
+    /// Number of people of each kind in each group of worlds, about whom the robot learns.
     pub people: usize,
     /// Number of simulated studies in each cell of the coverage of the fits.
     pub fits: usize,

@@ -1,7 +1,8 @@
 //! The report of `reproduce all`: the paper's claims, tables and figures next to the project's.
 //!
-//! A claim is one file here, with a [`Part`], and one line in [`PARTS`]. Its tables, pictures and finding are
-//! then part of the report, its files and `--json`. The report is Markdown; the HTML page is made from it.
+//! A claim is a folder in `paper`, with a [`Part`], and one line in [`PARTS`]. Its tables, pictures and
+//! finding are then part of the report, its files and `--json`. The report is Markdown; the HTML page is made
+//! from it.
 
 mod page;
 mod run;

@@ -34,7 +34,7 @@ pub(super) struct Axes {
 }
 
 impl Default for Axes {
-    /// The defaults of `cocarry run`, without a world.
+    /// The defaults of a study, without a world: those of `cocarry run`, but on the kinematic plant.
     fn default() -> Self {
         let defaults = Scenario::defaults();
         Self {

@@ -60,29 +60,36 @@ const MAX_SCENES: usize = 1000;
 /// A study, read and checked: its episodes by number.
 #[derive(Debug)]
 pub struct Study {
+    /// What errors call the file.
     file: String,
     contents: Contents,
+    /// Every combination of values of all runs, in the order of the runs.
     cells: Vec<Cell>,
-    /// The default settings with each belief.
+    /// The default settings with each belief of `contents`.
     bases: Vec<Settings>,
-    /// A prepared scenario for every world, c_r and robot, and the index for each cell.
+    /// A prepared scenario for every world, c_r and robot.
     prepared: Vec<PreparedScenario>,
+    /// The index into `prepared` of each cell.
     prepared_of: Vec<usize>,
-    /// Drives that are slower than their team is to walk, each once.
+    /// Drives that are slower than the walking speed of their team, each once.
     slow_drives: Vec<SlowDrive>,
     robot_warnings: Vec<String>,
+    /// In the order of their seeds.
     blocks: Vec<Block>,
+    /// The number of episodes.
     episodes: u64,
     digest: String,
+    /// The text of the file.
     text: String,
 }
 
-/// A range of seeds with the same cells.
+/// A range of seeds that run the same cells. An episode's number gives its block, its seed and its cell.
 #[derive(Debug)]
 struct Block {
     /// The number of its first episode.
     begin: u64,
     seeds: Seeds,
+    /// Ranges of indices into [`Study::cells`], one for each run that has these seeds.
     cells: Vec<Range<usize>>,
     cells_per_seed: u64,
 }
@@ -158,7 +165,7 @@ impl Study {
         &self.digest
     }
 
-    /// Where its rows come from.
+    /// What identifies the study in a file of its rows.
     fn origin(&self) -> Origin {
         Origin {
             text: Some(self.text.clone()),
@@ -174,7 +181,7 @@ impl Study {
         Some(self.drawn(cell, seed))
     }
 
-    /// Drives that are slower than their team is to walk, each once.
+    /// Drives that are slower than the walking speed of their team, each once.
     pub fn slow_drives(&self) -> &[SlowDrive] {
         &self.slow_drives
     }
@@ -184,7 +191,7 @@ impl Study {
         &self.robot_warnings
     }
 
-    /// The scenario of a cell with everything that is drawn.
+    /// The scenario of a cell with everything that is drawn from the seed.
     fn drawn(&self, cell: usize, seed: u64) -> Scenario {
         let scenario = self.scenario_of(cell, seed);
         let prepared = &self.prepared[self.prepared_of[cell]];
@@ -211,7 +218,7 @@ impl Study {
         None
     }
 
-    /// The scenario without preference changes, which need a world's options.
+    /// The scenario of a cell without preference changes: to draw them takes a world's options.
     fn scenario_of(&self, cell: usize, seed: u64) -> Scenario {
         let (contents, cell) = (&self.contents, &self.cells[cell]);
         let robot = contents.robots.get(cell.robot).map(|(_, robot, _)| robot.clone()).unwrap_or_default();
@@ -225,6 +232,7 @@ impl Study {
         scenario
     }
 
+    /// Sets `bases`.
     fn set_bases(&mut self) -> Result<(), SweepError> {
         for belief in 0..self.contents.beliefs.len() {
             let made = Predictor::new(self.contents.beliefs[belief].1.clone(), RISK_WEIGHT);
@@ -299,7 +307,7 @@ impl Study {
         Ok(format!("{hash:016x}"))
     }
 
-    /// The place of the run of a cell.
+    /// Where in the file the run of a cell is, for errors.
     fn place_of(&self, cell: usize) -> Place {
         let mut end = 0;
         let run = self.contents.runs.iter().find(|(run, _)| {
@@ -310,6 +318,7 @@ impl Study {
         run.map_or_else(whole, |(_, place)| place.clone())
     }
 
+    /// The error of a cell whose scenario is refused.
     fn refused(&self, cell: usize, source: impl std::error::Error + Send + Sync + 'static) -> SweepError {
         let (file, inputs) = (self.file.clone(), row::in_words(&self.inputs(cell)));
         SweepError::scenario(file, inputs, source)
@@ -330,8 +339,8 @@ impl Study {
         (episodes.start..episodes.end.min(self.episodes)).flat_map(|episode| self.run(episode)).collect()
     }
 
-    /// As in a file of results: the line of an episode that `run` makes and runs to its end. Empty after the
-    /// last episode.
+    /// The line of results of an episode, as in a file of results. `run` starts the episode and runs it to its
+    /// end. The line is empty after the last episode.
     pub fn row(&self, episode: u64, run: row::Run) -> Vec<u8> {
         let Some((cell, seed)) = self.place(episode) else { return Vec::new() };
         self.row_of(episode, cell, self.drawn(cell, seed), run)

@@ -144,7 +144,7 @@ impl Splitter {
         Self { reader: csv_core::Reader::new(), text: Vec::new(), ends: Vec::new() }
     }
 
-    /// The fields of a line with its newline; none if it is no text.
+    /// The fields of a line with its newline; none if it is not text.
     fn fields(&mut self, line: &[u8]) -> csv::StringRecord {
         self.reader.reset();
         // unquoted, a line becomes no longer

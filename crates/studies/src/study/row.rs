@@ -163,7 +163,7 @@ fn drawn(scenario: &Scenario) -> [String; DRAWN.len()] {
 /// Makes the episode of a prepared scenario and runs it to its end.
 pub type Run<'r> = &'r dyn for<'s> Fn(&'s PreparedScenario) -> Result<Episode<'s>, Error>;
 
-/// The [`Run`] of the scenario's custom partners.
+/// The [`Run`] of the partners that the scenario names.
 pub(super) fn to_its_end(prepared: &PreparedScenario) -> Result<Episode<'_>, Error> {
     let mut episode = prepared.episode()?;
     while episode.step().is_none() {}

@@ -1,5 +1,5 @@
-//! A clock that stands still, with what clarabel uses of the package `web-time`. Its time limit is infinite, so
-//! that the time makes no difference to its results.
+//! A clock that stands still, with the parts of the package `web-time` that clarabel uses. clarabel's time
+//! limit is infinite, so that the time makes no difference to its results.
 
 #![forbid(unsafe_code)]
 

@@ -49,7 +49,7 @@ pub(super) struct DrawSource<'a> {
 #[derive(Clone, Copy)]
 pub(super) enum People<'a> {
     Each(&'a [Perceived]),
-    /// So many of whom the same is known.
+    /// This many people with the same posterior.
     Equal(&'a Perceived, usize),
 }
 

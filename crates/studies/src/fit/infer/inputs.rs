@@ -54,7 +54,7 @@ pub struct Walk {
     pub file: String,
     /// The participant.
     pub participant: String,
-    /// Looks under the human's lead.
+    /// Sightings under the human's lead.
     pub sightings: Vec<Sighting>,
     /// The eta that agree with when they took over, or did not.
     pub etas: [f64; 2],

@@ -37,9 +37,9 @@ pub struct Person {
     pub answers: usize,
     /// Number of sightings in recorded walks.
     pub sightings: usize,
-    /// alpha, from the own answers alone.
+    /// alpha, from this participant's answers alone.
     pub alpha: Figure,
-    /// gamma, from the own answers alone.
+    /// gamma, from this participant's answers alone.
     pub gamma: Figure,
     /// Correlation of alpha and gamma.
     pub correlation: f64,
@@ -51,7 +51,7 @@ pub struct Person {
     pub within_population: Option<[Figure; 2]>,
     /// Number of episodes with a robot that leads.
     pub episodes: usize,
-    /// eta, from the own switches alone; `None` without switches.
+    /// eta, from this participant's switches alone; `None` without switches.
     pub eta: Option<Figure>,
 }
 

@@ -21,7 +21,7 @@ use serde::Serialize;
 pub enum Guide {
     /// A price of the squared deviation of the base's inputs from those that follow the path.
     Price {
-        /// The price, beside R = 1.
+        /// The price; R is 1.
         price: f64,
     },
     /// No price, and a bound: the base is within a width of where following the path would take it.
@@ -50,10 +50,10 @@ impl Guide {
         Self::Width { width: 0.2 },
         Self::Free,
     ];
-    /// A first look.
+    /// Few of them, for a first look.
     pub const FEW: &[Self] =
         &[Self::DEFAULT, Self::Price { price: 100.0 }, Self::Width { width: 0.1 }, Self::Free];
-    /// That of the physical plant.
+    /// The default guide of the physical plant.
     pub const DEFAULT: Self = Self::Price { price: GUIDE_PRICE };
 
     /// A name for tables.

@@ -140,7 +140,7 @@ pub struct Findings {
     pub by_human: Vec<LearningRow>,
     /// Humans of the model with a robot that has an arm, by method, pose optimisation and world.
     pub control: Vec<ControlRow>,
-    /// Every person in every task with every robot: what the other rows are of.
+    /// Every person in every task with every robot, from which the other rows are computed.
     #[serde(skip)]
     pub people: Vec<PersonRow>,
 }

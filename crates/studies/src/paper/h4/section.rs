@@ -1,4 +1,4 @@
-//! H4: what it pays to learn who the robot carries with.
+//! H4: whether it pays that the robot learns who it carries with.
 
 use crate::paper::h3::PoseMethod;
 use crate::paper::h4::{

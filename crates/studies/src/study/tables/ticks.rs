@@ -1,10 +1,10 @@
 //! The ticks of a whole sweep: a folder of Parquet files, one for every hundred episodes of the study.
 //!
-//! A file has every control period of its episodes in order, with the columns of `cocarry run --ticks`, the
+//! A file has every planning step of its episodes in order, with the columns of `cocarry run --ticks`, the
 //! number and the seed of the episode, and the inputs that vary. Its name has the first and the last of its
-//! episodes, and its bytes depend on them only. The files are in `FOLDER.partial` until the sweep is complete:
-//! each appears under its name when it is complete, and a sweep that was stopped resumes where rows and files
-//! are both there.
+//! episodes, and its bytes depend on them only. The files are in `FOLDER.partial` until the sweep is
+//! complete: each appears under its name when it is complete, and a sweep that was stopped resumes where rows
+//! and files are both there.
 
 use super::{ARITHMETIC, DIGEST, open, properties, system_error, unread, value_of};
 use crate::columns::Columns;
