@@ -254,7 +254,7 @@ fn use_recording(bytes: &[u8], is_short: bool, folder: &Path) -> bool {
         let _ = recover(&mut reader, &folder.join("out.mcap"), true);
     }
     if let Ok(playback) = reader().and_then(|mut reader| Playback::read(&mut reader)).map_err(refused) {
-        let page = player(&playback, "m", None).expect("a page");
+        let page = player(&playback, "m", None, "x").expect("a page");
         assert!(!page.contains("NaN") || !page.contains(":NaN"));
         filmstrip_svg(&playback, 3, Width::Inches(7.0)).expect("a picture");
     }

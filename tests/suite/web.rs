@@ -286,17 +286,15 @@ fn decisions_from_outside_change_the_episode_and_its_log_repeats_them() {
     }
     assert_eq!(digest(again), digest(steered));
     assert_eq!(answer(cocarry_log(again)), log);
-    // as many of its steps as are asked for: then decisions from outside, here none
-    let mut shorter = log.clone();
-    shorter["steps"] = 10.into();
-    write(shorter.to_string().as_bytes());
-    let shorter = cocarry_replay();
+    // no more of its decisions are repeated than steps are asked for: here none
+    let mut none = log.clone();
+    none["steps"] = 0.into();
+    write(none.to_string().as_bytes());
+    let none = cocarry_replay();
     for _ in 0..20 {
-        cocarry_step(shorter);
+        cocarry_step(none);
     }
-    let digests = |handle: u32| answer(cocarry_log(handle))["digests"].as_array().unwrap().clone();
-    assert_eq!(digests(shorter)[..2], digests(steered)[..2]);
-    assert_ne!(digests(shorter)[2..], digests(steered)[2..]);
+    assert_eq!(digest(none), digest(own));
     // after the log, decisions from outside are possible again
     assert_eq!(cocarry_human(again, 1, 2), 1);
     cocarry_step(again);
