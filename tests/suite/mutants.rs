@@ -8,9 +8,9 @@ use crate::recording::{encoded, example, rapier, unpacked};
 use crate::spoiled_robot::TOML;
 use cocarry::episode::Settings;
 use cocarry::geometry::Point;
+use cocarry::human::{HumanDecision, Stance};
 use cocarry::options::OptionSet;
 use cocarry::robot::Robot;
-use cocarry::human::{HumanDecision, Stance};
 use cocarry::scenario::{EpisodeLog, Plant, Scenario, Snapshot};
 use cocarry::world::World;
 use cocarry_maps::{Ends, from_map};
@@ -305,7 +305,11 @@ fn results(folder: &Path) -> Vec<u8> {
 
 /// A log of the page: two decisions of a human who leads to a place.
 fn log(scenario: &Scenario) -> Vec<u8> {
-    let human = HumanDecision { stance: Stance::TakeOver, hand: Some(Point::new(2.5, 1.0)), ..HumanDecision::following(1) };
+    let human = HumanDecision {
+        stance: Stance::TakeOver,
+        hand: Some(Point::new(2.5, 1.0)),
+        ..HumanDecision::following(1)
+    };
     let log = serde_json::json!({
         "version": 1, "scenario": scenario.text().unwrap(), "arithmetic": cocarry::arithmetic::stamp(), "steps": 3,
         "decisions": { "human": [human, HumanDecision::following(0)] }, "digests": [[3, "0123456789abcdef"]], "outcome": "tick-limit",
@@ -370,8 +374,7 @@ fn texts_that_are_damaged_are_read_or_refused() {
             "rows" => Summary::load(&path(kind)).map(drop).map_err(drop),
             "log" => serde_json::from_slice::<EpisodeLog>(bytes).map_err(drop).and_then(|log| {
                 let prepared = log.checked("log").and_then(|scenario| scenario.prepare()).map_err(drop)?;
-                let mut episode =
-                    prepared.episode_of(log.decisions.partners(&prepared)).map_err(drop)?;
+                let mut episode = prepared.episode_of(log.decisions.partners(&prepared)).map_err(drop)?;
                 let _ = (0..log.steps.min(5)).find(|_| episode.step().is_some());
                 Ok(())
             }),
