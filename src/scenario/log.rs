@@ -7,6 +7,8 @@ use serde::{Deserialize, Serialize};
 
 /// The largest number of steps of a log.
 const MAX_STEPS: u64 = 1_000_000;
+/// The longest of its words: a digest, an outcome, a stamp, bytes.
+const MAX_WORD: usize = 64;
 
 /// An episode to run again.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -50,6 +52,16 @@ impl EpisodeLog {
         }
         if self.steps > MAX_STEPS {
             return bad("steps", self.steps, &format!("at most {MAX_STEPS}"));
+        }
+        let digests = self.digests.iter().map(|(_, digest)| digest);
+        let mut words = digests.chain([&self.arithmetic]).chain(&self.outcome);
+        if let Some(word) = words.find(|word| word.len() > MAX_WORD) {
+            let begin: String = word.chars().take(20).collect();
+            let sentence = format_args!(
+                "a digest, the arithmetic or the outcome has {} bytes, at most {MAX_WORD} expected: {begin:?}...",
+                word.len()
+            );
+            return Err(Error::at(Place::file(file), sentence));
         }
         if !self.decisions.is_bounded() {
             let sentence = format_args!("decisions: a motion or a target is beyond {MAX_MOTION}");

@@ -194,8 +194,15 @@ impl World {
         let (solids, members): (Vec<Solid>, Vec<Vec<usize>>) =
             Solid::joined(alone, TOUCHING_M).into_iter().unzip();
         let free_passage = free_passage(source, entries.free_passage_robot_widths.as_ref())?;
+        let gaps = Gaps::between(&obstacles, &solids, &members);
+        let widest = if openings_detected { free_passage.max(1.0) * robot_width } else { robot_width };
+        if gaps.are_too_many(widest) {
+            let sentence = format_args!(
+                "too many walls and parts of outlines within {widest} m of each other; give fewer obstacles, or outlines with fewer corners"
+            );
+            return Err(Error::at(Place::file(source.file), sentence));
+        }
         let mut openings = if openings_detected {
-            let gaps = Gaps::between(&obstacles, &solids, &members);
             numbered(gaps.detect(robot_width, free_passage * robot_width), [start, target], robot_width)
         } else {
             declared_openings(source, &entries, &obstacles, robot_width)?

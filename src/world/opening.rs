@@ -20,6 +20,11 @@ pub(super) const TOUCHING_M: f64 = 1e-6;
 const SAME_FACE_M: f64 = 1e-5;
 /// The distance (m) between the bounds of obstacles that may touch.
 const TOUCHING_BOUNDS_M: f64 = 1e-5;
+/// The distance (m) from a face within which the bounds of what is flush with it are.
+const FACE_BOUNDS_M: f64 = 2e-5;
+/// The largest number of pairs of sides, of walls and parts of outlines that are near each other: each pair is
+/// measured.
+const MAX_PAIRS: usize = 40_000_000;
 /// Accuracy of a gap's width, m. A gap wider than the robot by no more than this is impassable.
 const WIDTH_TOLERANCE_M: f64 = 1e-6;
 /// Directions that differ by no more than this (rad) count as equal.
@@ -172,40 +177,62 @@ impl<'a> Gaps<'a> {
         let reach = outline.reach(toward);
         let mut face = outline.farthest_face(toward, SAME_FACE_M, SAME_DIRECTION_RAD);
         let mut seen = BTreeSet::from([side]);
-        let mut queue = vec![side];
-        while let Some(part) = queue.pop() {
-            for next in self.nearby.meeting(self.bounds[part].grown(TOUCHING_BOUNDS_M)) {
+        loop {
+            let ends = face.map(|along| Point::from(toward * reach + left_of(toward) * along));
+            let Some(bounds) = Bounds::around(ends) else { return face };
+            let before = face;
+            self.nearby.any_meeting(bounds.grown(FACE_BOUNDS_M), |next| {
                 let outline = self.sides[next].footprint;
-                let is_flush = (outline.reach(toward) - reach).abs() <= TOUCHING_M;
-                let [low, high] = outline.farthest_face(toward, SAME_FACE_M, SAME_DIRECTION_RAD);
-                let is_apart = low > face[1] + TOUCHING_M || high < face[0] - TOUCHING_M;
-                if is_flush && !is_apart && seen.insert(next) {
-                    face = [face[0].min(low), face[1].max(high)];
-                    queue.push(next);
+                if !seen.contains(&next) && (outline.reach(toward) - reach).abs() <= TOUCHING_M {
+                    let [low, high] = outline.farthest_face(toward, SAME_FACE_M, SAME_DIRECTION_RAD);
+                    if low <= face[1] + TOUCHING_M && high >= face[0] - TOUCHING_M {
+                        face = [face[0].min(low), face[1].max(high)];
+                        seen.insert(next);
+                    }
                 }
+                false
+            });
+            if face == before {
+                return face;
             }
         }
-        face
     }
 
-    /// The third outline nearest to the middle of a gap, if it is nearer than the gap's own two: the
-    /// constriction is then elsewhere. An outline whose nearest point is an end of the gap is part of that
-    /// side. Returns its index and distance (m).
+    /// Whether a third outline is nearer to the middle of a gap than the gap's own two: the constriction is
+    /// then elsewhere. An outline whose nearest point is an end of the gap is part of that side.
+    fn is_obstructed(&self, gap: &Opening) -> bool {
+        let center = gap.center();
+        let within = gap.width / 2.0 + TOUCHING_M;
+        let around = Bounds { min: center, max: center }.grown(within + TOUCHING_BOUNDS_M);
+        self.nearby.any_meeting(around, |i| self.obstructs(i, gap).is_some())
+    }
+
+    /// The distance (m) of an outline from the middle of a gap, if it obstructs it.
+    fn obstructs(&self, i: usize, gap: &Opening) -> Option<f64> {
+        if gap.between.contains(&i) {
+            return None;
+        }
+        let (center, outline) = (gap.center(), self.sides[i].footprint);
+        let distance = outline.distance_to_point(center);
+        if distance > gap.width / 2.0 + TOUCHING_M {
+            return None;
+        }
+        let (depth, away) = outline.separation(center);
+        let nearest = center - away * depth;
+        // what the middle is inside of fills the gap
+        let is_part_of_a_side =
+            depth > 0.0 && gap.ends.iter().any(|end| (nearest - end).norm() <= SAME_GAP_M);
+        (!is_part_of_a_side).then_some(distance)
+    }
+
+    /// The outline that obstructs a gap and is nearest to its middle: its index and distance (m).
     fn obstructing(&self, gap: &Opening) -> Option<(usize, f64)> {
         let center = gap.center();
-        let is_part_of_a_side = |outline: &Footprint| {
-            let (distance, away) = outline.separation(center);
-            let nearest = center - away * distance;
-            // what the middle is inside of fills the gap
-            distance > 0.0 && gap.ends.iter().any(|end| (nearest - end).norm() <= SAME_GAP_M)
-        };
         let within = gap.width / 2.0 + TOUCHING_M;
         self.nearby
             .meeting(Bounds { min: center, max: center }.grown(within + TOUCHING_BOUNDS_M))
             .into_iter()
-            .filter(|i| !gap.between.contains(i))
-            .map(|i| (i, self.sides[i].footprint.distance_to_point(center)))
-            .filter(|&(i, distance)| distance <= within && !is_part_of_a_side(self.sides[i].footprint))
+            .filter_map(|i| Some((i, self.obstructs(i, gap)?)))
             .min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
@@ -237,6 +264,19 @@ impl<'a> Gaps<'a> {
         self.obstructing(gap).map(|(side, distance)| (self.sides[side].obstacles[0], distance))
     }
 
+    /// Whether there are too many outlines within `widest` (m) of each other to measure the gaps between them.
+    pub fn are_too_many(&self, widest: f64) -> bool {
+        let mut pairs = 0;
+        let count = |side: &Side| side.footprint.corners().map_or(1, <[Point]>::len);
+        self.sides.iter().zip(&self.bounds).any(|(side, bounds)| {
+            self.nearby.any_meeting(bounds.grown(widest), |other| {
+                pairs += count(side) * count(&self.sides[other]);
+                // each is met twice
+                pairs > 2 * MAX_PAIRS
+            })
+        })
+    }
+
     /// The gaps no wider than `widest` (m), in the order of their outlines.
     fn up_to(&self, widest: f64) -> impl Iterator<Item = Opening> {
         (0..self.sides.len())
@@ -255,7 +295,7 @@ impl<'a> Gaps<'a> {
     /// obstacles, which is stronger than a free gap segment. Without it the diagonals between four pillars
     /// count as well: the same constriction twice, and gaps that cross.
     pub fn detect(&self, robot_width: f64, widest: f64) -> Vec<Opening> {
-        let is_opening = |gap: &Opening| gap.is_passable(robot_width) && self.obstructing(gap).is_none();
+        let is_opening = |gap: &Opening| gap.is_passable(robot_width) && !self.is_obstructed(gap);
         let gaps: Vec<Opening> = self.up_to(widest).filter(is_opening).collect();
         let mut is_new = vec![false; gaps.len()];
         for (i, same) in same_gaps(&gaps).into_iter().enumerate() {

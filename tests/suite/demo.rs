@@ -162,6 +162,8 @@ fn replay_refuses_what_is_no_log() {
         (with("steps", u64::MAX.into()), "steps = 18446744073709552000; it must be at most 1000000"),
         (with("scenario", "seed = 1".into()), "scenario: not valid"),
         (with("more", 1.into()), "unknown field `more`"),
+        (with("digests", serde_json::json!([[1, "a".repeat(1000)]])), "has 1000 bytes, at most 64 expected"),
+        (with("outcome", "a".repeat(1000).into()), "has 1000 bytes, at most 64 expected"),
     ] {
         std::fs::write(&path, text).unwrap();
         let output = cocarry(&["replay", path.to_str().unwrap()]);

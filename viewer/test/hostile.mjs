@@ -65,7 +65,7 @@ function world(name) {
 function robot(name) {
   let urdf = readFileSync(join(repository, "assets/robots/carrier.urdf"), "utf8");
   let toml = readFileSync(join(repository, "assets/robots/carrier.toml"), "utf8");
-  urdf = urdf.replace(/(<(?:link|joint) name="|<(?:parent|child) link="|<robot name=")/g, (begin) => begin + inXml(name));
+  urdf = urdf.replace(/(<(?:link|joint) name="|<(?:parent|child) link="|<mimic joint="|<robot name=")/g, (begin) => begin + inXml(name));
   toml = toml.replace(/^(name|base_link|grasp_frame|left_wheel|right_wheel) = "/gm, (begin) => begin + inToml(name));
   toml = toml.replace(/^(\w+_joint) = /gm, (_, joint) => `"${inToml(name)}${joint}" = `);
   return { urdf, toml };
@@ -185,11 +185,12 @@ async function simulated() {
   server.close();
 }
 
-try {
-  const file = (name) => join(folder, name);
+const file = (name) => join(folder, name);
+
+// Episodes and worlds: the point has no robot, the other plants have all panels.
+async function episodes() {
   for (const [i, name] of NAMES.entries()) {
     writeFileSync(file("w.toml"), world(name));
-    // a third on each plant: the point has no robot, the others have all panels
     const plant = ["point", "kinematic", "rapier"][i % 3];
     cocarry("run", "w.toml", "--plant", plant, "--max-steps", "6", "--render", "run.html", "--svg", "run.svg", "--record", "run.mcap", "--overwrite");
     cocarry("world", "w.toml", "--svg", "world.svg", "--overwrite");
@@ -200,14 +201,23 @@ try {
       cocarry("render", "run.mcap", "-o", "strip.svg", "--overwrite");
       for (const picture of ["inspect.svg", "strip.svg"]) await check(file(picture), name);
     }
+  }
+}
+
+// Pages of robots. A name that xacro would evaluate is refused.
+async function robots() {
+  for (const name of NAMES.filter((name) => !name.includes("${"))) {
     const { urdf, toml } = robot(name);
     writeFileSync(file("carrier.urdf"), urdf);
     writeFileSync(file("carrier.toml"), toml);
     cocarry("robot", "check", "carrier.toml", "--render", "robot.html", "--overwrite");
     await check(file("robot.html"), name, play);
   }
-  // names of files: the title of a page is that of its recording
-  cocarry("run", "environment-4", "--plant", "point", "--max-steps", "3", "--record", "plain.mcap");
+}
+
+// Names of files: the title of a page is that of its recording.
+async function files() {
+  cocarry("run", "environment-4", "--plant", "point", "--max-steps", "3", "--record", "plain.mcap", "--overwrite");
   for (const name of OF_FILES) {
     const recording = `${name.replace(/\u2028|\u0085/g, "")}.mcap`;
     cpSync(file("plain.mcap"), file(recording));
@@ -215,7 +225,10 @@ try {
     await check(file("named.html"), name, play);
     rmSync(file(recording));
   }
-  // studies: names of worlds, humans and beliefs
+}
+
+// Studies: names of worlds, humans and beliefs in figures and in the report of all claims, which has no others.
+async function studies() {
   for (const [i, name] of NAMES.entries()) {
     writeFileSync(file("w.toml"), world(name));
     const humans = ["a", "b"].map((end) => `[[human]]\nname = "${inToml(name)}${end}"\nalpha = "uniform(0.6,0.9)"\ngamma = "uniform(0.5,1.1)"\n`);
@@ -228,10 +241,16 @@ try {
       await check(file("plot.svg"), name);
     }
   }
-  // a page whose figures are missing, and whose events say anything, as a forged recording may have them
-  cocarry("render", "run.mcap", "-o", "forged.html", "--overwrite");
+  cocarry("reproduce", "all", "-o", "report", "--short", "--parts", "h1,h2");
+  for (const name of readdirSync(file("report")).filter((name) => name.endsWith(".html"))) await check(file(`report/${name}`), "the report");
+}
+
+// A page whose figures are missing, and whose events say anything, as a forged recording may have them.
+async function forged() {
+  cocarry("run", "environment-4", "--plant", "rapier", "--max-steps", "6", "--render", "forged.html", "--overwrite");
   const page = readFileSync(file("forged.html"), "utf8");
   const [, before, json, after] = /^([\s\S]*<script type="application\/json" id="episode">)([\s\S]*?)(<\/script>[\s\S]*)$/.exec(page);
+  const write = (name, episode) => writeFileSync(file(name), before + JSON.stringify(episode).replace(/</g, "\\u003c") + after);
   for (const [i, name] of [...NAMES, ""].entries()) {
     const episode = JSON.parse(json);
     const forget = (values) => values.map((value, at) => (i % 2 || at % 2 ? null : value));
@@ -239,7 +258,7 @@ try {
     for (const option of episode.options) option.probability = forget(option.probability);
     for (const key of ["mode", "executed", "preferred"]) episode.steps[key] = forget(episode.steps[key]).map((word) => word && (i % 3 ? word : name));
     for (const event of episode.events) [event.sentence, event.about] = [name, i % 3 ? event.about : name];
-    writeFileSync(file("forged.html"), before + JSON.stringify(episode).replace(/</g, "\\u003c") + after);
+    write("forged.html", episode);
     await check(file("forged.html"), name, play);
   }
   // as many steps, as far away, as a recording may have
@@ -247,19 +266,21 @@ try {
   const stretched = (values) => Array.from({ length: long }, (_, k) => values[k % values.length]);
   for (const key of ["mode", "executed", "preferred"]) episode.steps[key] = stretched(episode.steps[key]);
   for (const figure of Object.values(episode.steps.figures)) figure.values = stretched(figure.values);
-  for (const option of episode.options) option.probability = stretched(option.probability);
+  episode.options = Array.from({ length: 3 }, (_, k) => episode.options.map((option) => ({ ...option, name: `${option.name}-${k}`, probability: stretched(option.probability) }))).flat();
   episode.steps.decided_s = episode.steps.done_s = Array.from({ length: long }, (_, k) => 0.2 * k);
   episode.frames.object = episode.frames.object.map((value, i) => (i % 7 === 0 ? 1e6 : value));
-  writeFileSync(file("long.html"), before + JSON.stringify(episode).replace(/</g, "\\u003c") + after);
+  write("long.html", episode);
   await check(file("long.html"), "a long episode, far away", play);
-  // the report of all claims has no foreign names; it is a page too
-  if (!existsSync(file("report"))) {
-    cocarry("reproduce", "all", "-o", "report", "--short", "--parts", "h1,h2");
-    for (const name of readdirSync(file("report")).filter((name) => name.endsWith(".html"))) await check(file(`report/${name}`), "the report");
+}
+
+try {
+  // the page that runs the simulator, where its WebAssembly module is built
+  const isBuilt = existsSync(join(repository, "viewer/dist/page/cocarry.wasm"));
+  const parts = [episodes, robots, files, studies, forged, ...(isBuilt ? [simulated] : [])];
+  for (const part of parts.filter(({ name }) => !process.argv[3] || name === process.argv[3])) {
+    await part();
+    console.log(`hostile ${part.name}: ${opened} pages and pictures so far, no script ran`);
   }
-  if (existsSync(join(repository, "viewer/dist/page/cocarry.wasm"))) await simulated();
-  else console.log("skipped: the page that runs the simulator; build its module with: crates/web/build");
-  console.log(`hostile names and files: ${opened} pages and pictures, no script ran`);
 } finally {
   await browser.close();
   rmSync(folder, { recursive: true, force: true });

@@ -3,16 +3,16 @@
 use super::{Bench, environment_4};
 use crate::spoiled_robot::{TOML, URDF, original};
 
-/// Obstacles far from the walls.
-fn obstacles(count: usize, corners: usize) -> String {
+/// Obstacles of notches, or round ones, far from the walls and `apart` (m) from each other.
+fn obstacles(count: usize, corners: usize, size: f64, notch: f64, apart: f64) -> String {
     let mut text = String::new();
     for i in 0..count {
-        let (x, y) = (100.0 + 3.0 * (i % 100) as f64, 100.0 + 3.0 * (i / 100) as f64);
+        let (x, y) = (100.0 + apart * (i % 100) as f64, 100.0 + apart * (i / 100) as f64);
         text +=
             &format!("[[obstacle]]\nname = \"o{i}\"\nheight_m = 1.0\nshape = \"polygon\"\nvertices_m = [");
         for corner in 0..corners {
             let angle = std::f64::consts::TAU * corner as f64 / corners as f64;
-            let radius = if corner % 2 == 0 { 1.0 } else { 0.6 };
+            let radius = if corner % 2 == 0 { size } else { size * notch };
             let (sine, cosine) = cocarry::math::sin_cos(angle);
             text += &format!("[{:.4},{:.4}],", x + radius * cosine, y + radius * sine);
         }
@@ -23,16 +23,26 @@ fn obstacles(count: usize, corners: usize) -> String {
 
 pub(super) fn worlds(bench: Bench) {
     let world = environment_4();
-    // an outline may have 20,000 corners: it takes minutes, here a hundredth of that
+    // openings that are found are the longest work
+    let (found, _) = world.split_once("[[opening]]").expect("openings");
     for text in [
         bench.filled(&world, "# x\n"),
-        bench.filled(&(world.clone() + &obstacles(1, 2000)), "# x\n"),
-        bench.filled(&(world.clone() + &obstacles(200, 20)), "\n"),
+        bench.filled(&(world.clone() + &obstacles(200, 20, 1.0, 0.6, 3.0)), "\n"),
+        bench.filled(&(found.to_owned() + &obstacles(1, 2500, 1.0, 0.6, 3.0)), "# x\n"),
+        bench.filled(&(found.to_owned() + &obstacles(1, 20_000, 90.0, 1.0, 3.0)), "# x\n"),
+        bench.filled(&(found.to_owned() + &obstacles(120, 64, 0.02, 1.0, 0.05)), "# x\n"),
     ] {
         bench.write("w.toml", &text);
         bench.reads("world w.toml");
         bench.write("w.toml", text + "\n");
         bench.refuses("world w.toml", &bench.too_long());
+    }
+    for (count, corners, size, apart) in
+        [(1, 20_000, 1.0, 3.0), (1, 20_000, 90.0, 3.0), (1500, 64, 0.02, 0.05)]
+    {
+        let notch = if count == 1 { 0.6 } else { 1.0 };
+        bench.write("w.toml", found.to_owned() + &obstacles(count, corners, size, notch, apart));
+        bench.refuses("world w.toml", "w.toml: too many walls and parts of outlines within 2.5 m");
     }
     // much structure in few bytes
     for piece in
