@@ -12,7 +12,7 @@ pub struct PhysicsSettings {
     pub rate_hz: f64,
     /// Solver iterations over all constraints in a step: the grips and contacts. Arm and base are solved
     /// exactly. With twelve iterations at 100 Hz, forces are within 1e-3 N of those with a hundred, and within
-    /// 0.02 N for an object of half a kilogram (tested); they take 5 % longer than four, with which a light
+    /// 0.02 N for an object of half a kilogram (tested); they take 6 % longer than four, with which a light
     /// object's forces are off by 0.3 N.
     pub solver_iterations: usize,
     /// Largest acceleration of a wheel's rim, m/s^2, given the wheels' motors and the robot's mass.
