@@ -41,8 +41,8 @@ for (const look_at of [{ width: 1024, height: 700, scheme: "light" }, { width: 3
   const { seen, source } = await look(2, look_at);
   assert.match(seen, /Environment 1/);
   for (const secret of secrets) assert.ok(!seen.includes(secret), `${secret}: ${seen}`);
-  const { steps, events, options, ahead, facts, world: drawn } = JSON.parse(/id="episode">(.*?)<\/script>/s.exec(source)[1]);
-  assert.deepEqual([steps.figures, events, options, ahead, facts, drawn.openings], [{}, [], [], [], { about: "" }, []]);
+  const { steps, events, options, ahead, facts, take_over: scenario, world: drawn } = JSON.parse(/id="episode">(.*?)<\/script>/s.exec(source)[1]);
+  assert.deepEqual([steps.figures, events, options, ahead, facts, scenario, drawn.openings], [{}, [], [], [], { about: "" }, null, []]);
 }
 write("--show", "openings,options", "--overwrite");
 const { seen, source } = await look(3, { width: 1024, height: 700, scheme: "light" });

@@ -36,7 +36,7 @@ pub fn player(playback: &Playback, title: &str, robot: Option<&Robot>, demo: &st
 /// # Errors
 /// As [`player`].
 pub fn stimulus_page(playback: &Playback, title: &str, shown: Shown) -> Result<String, Error> {
-    let mut page = episode(playback, title, None)?;
+    let mut page = episode(playback, title, None, "")?;
     let count = playback.times(Channel::Coordination).len();
     page["is_stimulus"] = true.into();
     page["facts"] = json!({ "about": "" });
@@ -51,7 +51,9 @@ pub fn stimulus_page(playback: &Playback, title: &str, shown: Shown) -> Result<S
     for left_out in ["ahead", "events"] {
         page[left_out] = json!([]);
     }
-    page["outcome"] = Value::Null;
+    for unknown in ["outcome", "take_over"] {
+        page[unknown] = Value::Null;
+    }
     let entries = |list: &mut Value, is_shown: bool| {
         let entries = list.as_array_mut().map(std::mem::take).unwrap_or_default();
         if is_shown { entries } else { Vec::new() }
