@@ -90,8 +90,9 @@ export class Charts {
       const width = Math.max(160, svg.clientWidth || svg.parentElement.clientWidth - 24);
       svg.replaceChildren();
       svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
-      const known = curves.flatMap(({ values }) => values.filter((v) => v !== null));
-      const most = Math.max(chart.least, ...known.map((v) => (chart.unit.startsWith("probability") ? v : 1.06 * v)));
+      const room = chart.unit.startsWith("probability") ? 1 : 1.06;
+      // not as arguments of `max`: a long episode has too many
+      const most = curves.flatMap(({ values }) => values).reduce((most, value) => Math.max(most, room * (value ?? 0)), chart.least);
       const x = (time) => LEFT + (time / this.episode.duration) * (width - LEFT - RIGHT);
       const y = (value) => height - BOTTOM - (value / most) * (height - TOP - BOTTOM);
       for (const [from, to] of led(this.episode)) {

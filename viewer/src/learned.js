@@ -19,7 +19,7 @@ export class Learned {
     Object.assign(this, learned);
     this.times = this.beliefs.map(({ time_s }) => time_s);
     this.size = Math.sqrt(this.planes[0].density.length);
-    this.densest = Math.max(...this.planes.flatMap(({ density }) => density));
+    this.densest = this.planes.flatMap(({ density }) => density).reduce((most, value) => Math.max(most, value), 0);
     const card = document.createElement("section");
     card.className = "chart";
     card.id = "learned";

@@ -1,6 +1,8 @@
 // Lines on the floor: flat bands, points at equal distances, and where a path is farthest from others.
 import { BufferAttribute, BufferGeometry, Mesh, MeshBasicMaterial } from "three";
 
+const MAX_LINES = 1000;
+
 // A flat band on the floor along a line.
 export function ribbon() {
   const geometry = new BufferGeometry();
@@ -52,8 +54,11 @@ export function apart(path, others) {
   const rest = others.flatMap((other) => spaced(other.flat(), 0.25, 400));
   let best = null, most = -1;
   for (const [x, y] of points) {
-    const gap = Math.min(4, ...rest.map(([u, v]) => Math.hypot(x - u, y - v)));
+    const gap = rest.reduce((least, [u, v]) => Math.min(least, Math.hypot(x - u, y - v)), 4);
     if (gap > most) [best, most] = [[x, y], gap];
   }
   return best;
 }
+
+// The distance of a grid's lines over a length, m: 1 m, and more where there would be too many.
+export const spacing = (length) => Math.max(1, 10 ** Math.ceil(Math.log10(length / MAX_LINES)));

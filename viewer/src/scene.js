@@ -7,7 +7,7 @@ import {
 } from "three";
 import { ConvexGeometry } from "three/examples/jsm/geometries/ConvexGeometry.js";
 import { Human } from "./human.js";
-import { apart, ribbon, spaced } from "./lines.js";
+import { apart, ribbon, spaced, spacing } from "./lines.js";
 import { addMeshes } from "./meshes.js";
 import { marks } from "./postures.js";
 
@@ -62,8 +62,9 @@ export class Stage {
     this.floor.receiveShadow = true;
     const lines = [], { low, high } = this.bounds.all;
     const [left, right, front, back] = [Math.floor(low.x) - 2, Math.ceil(high.x) + 2, Math.floor(low.y) - 2, Math.ceil(high.y) + 2];
-    for (let x = left; x <= right; x++) lines.push(x, front, 0.003, x, back, 0.003);
-    for (let y = front; y <= back; y++) lines.push(left, y, 0.003, right, y, 0.003);
+    const step = spacing(Math.max(right - left, back - front));
+    for (let x = left; x <= right; x += step) lines.push(x, front, 0.003, x, back, 0.003);
+    for (let y = front; y <= back; y += step) lines.push(left, y, 0.003, right, y, 0.003);
     const grid = new BufferGeometry();
     grid.setAttribute("position", new BufferAttribute(new Float32Array(lines), 3));
     this.grid = new LineSegments(grid, new LineBasicMaterial());
