@@ -7,6 +7,7 @@ import { loadavg, tmpdir } from "node:os";
 import { join } from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
+import { unpacked } from "../src/packed.js";
 
 const program = process.argv[2];
 const repository = fileURLToPath(new URL("../..", import.meta.url));
@@ -156,6 +157,19 @@ async function check(name, recording) {
   assert.ok(transition, `${name}: the human takes the lead`);
   const end = Number(events[events.length - 1].time_s);
   for (const time of [0, Number(transition.time_s), 0.8 * end]) await figures(tab, recording, time);
+
+  // the link to take over holds the scenario, the step that is shown, and where the object is then
+  const link = tab.locator("#takeover a"), step = Math.floor(0.8 * end / 0.2 + 1e-6);
+  const { href, scenario, object } = await tab.evaluate((step) => {
+    const { take_over: { scenario }, frames } = JSON.parse(document.getElementById("episode").textContent);
+    return { href: document.querySelector("#takeover a").href, scenario, object: frames.object.slice(7 * step, 7 * step + 3) };
+  }, step);
+  assert.equal(await link.textContent(), `Take over from ${(0.2 * step).toFixed(1)} s`);
+  assert.ok(href.startsWith("http://127.0.0.1:8790/#"), href);
+  const asked = new URLSearchParams(href.split("#")[1]);
+  assert.equal(await unpacked(asked.get("scenario")), scenario);
+  assert.deepEqual([asked.get("carry"), Number(asked.get("t")), asked.get("object").split(",").map(Number)], ["1", Number((0.2 * step).toFixed(6)), object]);
+  assert.ok(href.length < 1 << 18, `${href.length} characters`);
 
   // the transition has its sentence, and the list of events leads to it
   await tab.locator("#events button", { hasText: "arrived" }).first().click();
