@@ -12,7 +12,7 @@ for (const part of document.querySelectorAll("pre code, .table-wrapper")) if (pa
 
 function live(link, episode) {
   const paragraph = link.closest("p"), words = link.textContent;
-  const still = paragraph.previousElementSibling?.querySelector("img, picture");
+  const above = paragraph.previousElementSibling, still = above?.querySelector("img") ? above : null;
   const button = document.createElement("button");
   button.type = "button";
   button.className = "live";

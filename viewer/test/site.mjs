@@ -72,8 +72,8 @@ async function examples() {
     assert.equal(await buttons.count(), LIVE[name], `${name}: live examples`);
     assert.equal(await tab.locator("iframe").count(), 0, "nothing is loaded before a click");
     for (let i = 0; i < LIVE[name]; i++) {
-      const still = buttons.nth(i).locator("xpath=ancestor::p/preceding-sibling::p[1]//img");
-      assert.ok(await still.isVisible());
+      const still = buttons.nth(i).locator("xpath=ancestor::p/preceding-sibling::p[1]");
+      assert.ok(await still.locator("img").first().isVisible());
       await buttons.nth(i).click();
       const page = tab.frameLocator("iframe.live"), clock = page.locator("#clock");
       await tab.waitForFunction(() => Number.parseFloat(document.querySelector("iframe.live").contentDocument?.getElementById("clock")?.textContent) > 0.3, null, { timeout: 120e3 });
