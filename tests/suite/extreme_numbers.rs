@@ -15,7 +15,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::ops::Range;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Numbers as TOML writes them, and what looks like one.
 const EXTREMES: [&str; 20] = [
@@ -79,7 +79,7 @@ fn each_number(text: &str, behind: &str, some: usize, mut read: impl FnMut(&str)
                 }
             }
             let line = text[..place.start].lines().last().unwrap_or_default();
-            assert!(begun.elapsed() < Duration::from_secs(5), "{line}{extreme}: {:?}", begun.elapsed());
+            assert!(begun.elapsed() < crate::support::time_for(5), "{line}{extreme}: {:?}", begun.elapsed());
         }
     }
     assert!(good > 0 && refused > 0, "{good} are read, {refused} are refused");

@@ -3,9 +3,10 @@
 
 use crate::mutants::binary_stl;
 use crate::spoiled_robot::{TOML, URDF, original};
+use crate::support::time_for;
 use cocarry::robot::Robot;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// A tetrahedron.
 pub const DAE: &str = r##"<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><library_geometries><geometry id="g"><mesh><source id="p"><float_array id="pa" count="12">0 0 0 1 0 0 0 1 0 0 0 1</float_array><technique_common><accessor source="#pa" count="4" stride="3"><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source><vertices id="v"><input semantic="POSITION" source="#p"/></vertices><triangles count="4"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2 0 2 3 0 3 1 1 3 2</p></triangles></mesh></geometry></library_geometries><library_visual_scenes><visual_scene id="s"><node id="n"><instance_geometry url="#g"/></node></visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>"##;
@@ -28,7 +29,7 @@ fn warnings(name: &str, bytes: impl AsRef<[u8]>) -> String {
     let folder = tempfile::tempdir().unwrap();
     let begun = Instant::now();
     let robot = with_mesh(folder.path(), name, bytes.as_ref()).unwrap_or_else(|faults| panic!("{faults:?}"));
-    assert!(begun.elapsed() < Duration::from_secs(5), "{name}: {:?}", begun.elapsed());
+    assert!(begun.elapsed() < time_for(5), "{name}: {:?}", begun.elapsed());
     robot.warnings.iter().map(|warning| format!("{warning}\n")).collect()
 }
 

@@ -12,7 +12,7 @@ use std::path::Path;
 
 /// The episode of a robot that leads on the option of that number, as a point.
 fn led(world: &str, method: Method, number: u64) -> Scenario {
-    let world = World::load(repository(&format!("worlds/{world}.toml"))).expect("a world");
+    let world = World::load(&repository(&format!("worlds/{world}.toml"))).expect("a world");
     let settings = Settings { method, lead_option: Some(number), ..Settings::default() };
     Scenario::of_seed(3, world.into(), Plant::Point, settings, &Belief::default(), GivenPerception::default())
 }

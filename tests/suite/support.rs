@@ -8,6 +8,14 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::time::Duration;
+
+/// How long something may take that takes at most `seconds` on a processor of 2 GHz with nothing else to do:
+/// with `COCARRY_BOUNDS` set, no longer. Otherwise so long that only what does not end takes it on a busy machine.
+pub fn time_for(seconds: u64) -> Duration {
+    const BUSY: u64 = 8;
+    Duration::from_secs(if std::env::var_os("COCARRY_BOUNDS").is_some() { seconds } else { BUSY * seconds })
+}
 
 /// A file of the repository.
 pub fn repository(path: &str) -> PathBuf {

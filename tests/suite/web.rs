@@ -6,6 +6,7 @@ use cocarry::robot::{Configuration, Robot};
 use cocarry_web::host::{output, state, write};
 use cocarry_web::*;
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 
 /// Files that follow from others are written anew with this variable set.
 const UPDATE: &str = "COCARRY_UPDATE_WEB";
@@ -209,7 +210,14 @@ fn every_robot_is_drawn_and_is_the_exported_one() {
 fn hulls_are_those_of_the_mesh_files() {
     for (name, text) in HULLS {
         let robot = Robot::load(&repository(&format!("assets/robots/{name}.toml"))).unwrap();
-        let hulls = json!(robot.texts)["hulls"].to_string() + "\n";
+        let exact = json!(robot.texts)["hulls"].clone();
+        let single: BTreeMap<String, Vec<[f32; 3]>> = serde_json::from_value(exact.clone()).unwrap();
+        let widened: BTreeMap<_, Vec<_>> = single
+            .iter()
+            .map(|(name, hull)| (name, hull.iter().map(|p| p.map(f64::from)).collect()))
+            .collect();
+        assert_eq!(json!(widened), exact, "{name}: of single precision");
+        let hulls = serde_json::to_string(&single).unwrap() + "\n";
         if std::env::var_os(UPDATE).is_some() {
             std::fs::write(repository(&format!("crates/web/robots/{name}.json")), &hulls).unwrap();
         } else {

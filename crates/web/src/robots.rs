@@ -70,8 +70,18 @@ fn parsed(files: &RobotFiles) -> Result<GivenRobot, Error> {
     let wrong = |error| Error::new(format!("the built-in robot {}", files.name)).because(error);
     if let Some((_, hulls)) = HULLS.iter().find(|(name, _)| *name == files.name) {
         texts["hulls"] = serde_json::from_str(hulls).map_err(wrong)?;
+        single(&mut texts["hulls"]);
     }
     serde_json::from_value::<RobotTexts>(texts).map(GivenRobot::from).map_err(wrong)
+}
+
+/// Makes numbers those of single precision, as mesh files have them: their texts are shorter.
+fn single(value: &mut Value) {
+    match value {
+        Value::Array(items) => items.iter_mut().for_each(single),
+        Value::Object(entries) => entries.values_mut().for_each(single),
+        value => *value = value.as_f64().map(|number| f64::from(number as f32)).into(),
+    }
 }
 
 /// The robot as it is drawn.

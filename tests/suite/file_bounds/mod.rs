@@ -8,11 +8,11 @@ mod results;
 mod texts;
 
 use crate::limits::within;
-use crate::support::{repository, stderr};
+use crate::support::{repository, stderr, time_for};
 use cocarry::bounds::{self, FileBounds};
 use std::path::{Path, PathBuf};
 use std::process::Output;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Defines a test for each kind of file, and one that no kind is left out.
 macro_rules! kinds {
@@ -89,7 +89,7 @@ impl Bench {
     fn run(&self, line: &str) -> Output {
         let begun = Instant::now();
         let output = within(self.bounds.memory, self.folder(), line);
-        let (taken, limit) = (begun.elapsed(), Duration::from_secs(self.bounds.seconds));
+        let (taken, limit) = (begun.elapsed(), time_for(self.bounds.seconds));
         assert!(taken < limit, "{}: {line} takes {taken:?}", self.bounds.kind);
         if std::env::var_os("COCARRY_BOUNDS").is_some() {
             eprintln!("{}: {line}: {taken:?}, {}", self.bounds.kind, output.status);

@@ -2,6 +2,7 @@
 
 use super::{Bench, environment_4};
 use crate::spoiled_robot::{TOML, URDF, original};
+use crate::support::time_for;
 
 /// Obstacles of notches, or round ones, far from the walls and `apart` (m) from each other.
 fn obstacles(count: usize, corners: usize, size: f64, notch: f64, apart: f64) -> String {
@@ -156,7 +157,7 @@ pub(super) fn xacros(bench: Bench) {
         let begun = std::time::Instant::now();
         let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_cocarry"));
         let output = command.args(line.split(' ')).env("PATH", path).current_dir(bench.folder()).output();
-        assert!(begun.elapsed().as_secs() < 2 * bench.bounds.seconds, "{:?}", begun.elapsed());
+        assert!(begun.elapsed() < time_for(2 * bench.bounds.seconds), "{:?}", begun.elapsed());
         output.unwrap()
     };
     let output = with_path(line);

@@ -141,6 +141,6 @@ fn a_small_drawing_that_asks_for_much_is_refused() {
         let error = cocarry_maps::from_map(&path, &ends([0.0; 3])).expect_err("refused");
         let error = format!("{:#}", anyhow::Error::from(error));
         assert!(error.contains("plan.svg: not a valid SVG file") && error.contains(said), "{error}");
-        assert!(begun.elapsed() < std::time::Duration::from_secs(5), "{said}: {:?}", begun.elapsed());
+        assert!(begun.elapsed() < crate::support::time_for(5), "{said}: {:?}", begun.elapsed());
     }
 }

@@ -235,12 +235,13 @@ mod tests {
     #[test]
     fn nobody_keeps_a_browser_out() {
         static LARGE: [u8; 8 << 20] = [0; 8 << 20];
+        static FILES: &[(&str, &[u8])] = &[("index.html", b"the page"), ("large", &LARGE)];
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
-        let pages = Pages::Built(&[("index.html", b"the page"), ("large", &LARGE)]);
-        let server = Server::start(listener, pages).unwrap();
+        let server = Server::start(listener, Pages::Built(FILES)).unwrap();
         let connect = || TcpStream::connect(server.address()).unwrap();
         let ask = |stream: &mut TcpStream, path: &str| {
-            write!(stream, "GET {path} HTTP/1.1\r\nHost: {}\r\n\r\n", server.address()).unwrap();
+            // the oldest may be closed already
+            let _ = write!(stream, "GET {path} HTTP/1.1\r\nHost: {}\r\n\r\n", server.address());
         };
         let mut others: Vec<_> = (0..200).map(|_| connect()).collect();
         others.iter_mut().step_by(2).for_each(|stream| ask(stream, "/large"));
