@@ -97,7 +97,7 @@ fn quadratic_program() -> Vec<f64> {
 /// The minimiser of a program of 1 to 40 multipliers; every third has half as many independent rows.
 fn program(number: usize) -> Vec<f64> {
     let n = 1 + number % 40;
-    let rank = if number % 3 == 0 { n.div_ceil(2) } else { n };
+    let rank = if number.is_multiple_of(3) { n.div_ceil(2) } else { n };
     let root = |i: usize, k: usize| math::sin((1 + i * rank + k) as f64 * (1.0 + 0.37 * number as f64));
     let product = |i: usize, j: usize| (0..rank).map(|k| root(i, k) * root(j, k)).sum::<f64>();
     let matrix: Vec<f64> = (0..n * n).map(|k| product(k / n, k % n)).collect();

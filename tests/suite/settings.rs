@@ -136,6 +136,8 @@ fn another(setting: &Setting, defaults: &Scenario) -> Value {
     let texts = if words.is_empty() { texts.to_vec() } else { words };
     let texts = match setting.key {
         "posture" => vec!["elbow-out"],
+        // an option that every world has
+        "lead_option" => vec!["1"],
         // a whole fraction of the planning step and of another one
         "control_period_s" => vec!["0.05"],
         _ => texts,

@@ -112,7 +112,9 @@ pub(super) fn run_stimuli(arguments: &StimuliArguments) -> Result<ExitCode, Fail
         return Err(input(anyhow!("{folder}: no such folder; make it, or choose another --output")));
     }
     // before the episodes, which take a while
-    let files: Vec<PathBuf> = shots.iter().flat_map(|shot| stimuli.names(shot)).collect();
+    let table = arguments.output.join(TABLE);
+    let files: Vec<PathBuf> =
+        shots.iter().flat_map(|shot| stimuli.names(shot)).chain([table.clone()]).collect();
     arguments.overwrite.outputs(arguments.worlds.iter().map(PathBuf::as_path), &files)?;
     let bar = Progress::new(files.len(), "files");
     for shot in &shots {
@@ -120,8 +122,8 @@ pub(super) fn run_stimuli(arguments: &StimuliArguments) -> Result<ExitCode, Fail
         stimuli.add_episodes(shot, &bar)?;
     }
     bar.finish();
-    let table = stimuli.table.into_inner().expect("a table in memory is always written");
-    stimuli.files.push((arguments.output.join(TABLE), table));
+    let rows = stimuli.table.into_inner().expect("a table in memory is always written");
+    stimuli.files.push((table, rows));
     write_all(arguments.overwrite, &stimuli.files)?;
     Ok(ExitCode::SUCCESS)
 }
@@ -134,12 +136,12 @@ impl Stimuli<'_> {
         Ok(Shot { name, world, prepared })
     }
 
-    /// The names of the files of a world, and of the table.
+    /// The names of the files of a world.
     fn names(&self, shot: &Shot) -> Vec<PathBuf> {
         let count = if self.arguments.episodes { shot.prepared.options().options().len() } else { 0 };
         let maps = ["svg", "png"].map(|kind| format!("{}.{kind}", shot.name));
         let episode = |number| EPISODE_KINDS.map(|kind| episode_file(&shot.name, number, kind));
-        let names = maps.into_iter().chain((1..=count).flat_map(episode)).chain([TABLE.to_owned()]);
+        let names = maps.into_iter().chain((1..=count).flat_map(episode));
         names.map(|name| self.arguments.output.join(name)).collect()
     }
 
