@@ -125,10 +125,10 @@ mod tests {
             let finite = part.iter().filter(|value| value.is_finite()).count();
             assert!(finite >= least && finite * 10 > part.len() * 9, "{finite} of {}", part.len());
         }
-        // those of dependent rows have a minimum by chance
+        // most are without a minimum
         let solved = (0..PROGRAMS).filter(|number| program(*number).iter().all(|value| value.is_finite()));
         let solved = solved.count();
-        assert!(solved > PROGRAMS / 2, "{solved} of {PROGRAMS}");
+        assert!(solved > PROGRAMS / 10, "{solved} of {PROGRAMS}");
         let mut results = parts.concat();
         assert_eq!(digest(results.iter()), stamp());
         for k in (0..results.len()).step_by(97) {
