@@ -30,11 +30,11 @@ pub fn player(playback: &Playback, title: &str, robot: Option<&Robot>, demo: &st
     Ok(filled(&episode(playback, title, robot, demo)?))
 }
 
-/// As [`player`], for participants of a study: the scene alone, with no figure, event or path of the episode.
+/// As [`player()`], for participants of a study: the scene alone, with no figure, event or path of the episode.
 /// `shown` says which names it has.
 ///
 /// # Errors
-/// As [`player`].
+/// As [`player()`].
 pub fn stimulus_page(playback: &Playback, title: &str, shown: Shown) -> Result<String, Error> {
     let mut page = episode(playback, title, None, "")?;
     let count = playback.times(Channel::Coordination).len();
