@@ -126,9 +126,10 @@ async function addressOf(tab) {
   return tab.evaluate(() => location.href);
 }
 
-// An episode of a model, at the highest speed: its digest is the program's, and that of its link.
+// An episode of a model, at the highest speed: its digest is the program's, and that of its link. Each of its choices
+// changes the digest.
 async function repeats() {
-  const { tab, close } = await open(browser, server.address, "plant=kinematic&play=0&method=human-led&belief=learn&eta=15");
+  const { tab, close } = await open(browser, server.address, "plant=kinematic&play=0&belief=learn&eta=8&alpha=0.7&gamma=0.9&stubbornness=0.2");
   await tab.locator("#speed").selectOption("8");
   await tab.locator("#play").click();
   const digest = await over(tab);
@@ -278,7 +279,7 @@ async function handles() {
   await finger("touchStart", [x, y]);
   // ahead of the team: where the robot holds against it, a hand gives way
   await finger("touchMove", [x + 60, y + 80]);
-  await until(tab, 2.4);
+  await until(tab, 4);
   await finger("touchEnd");
   const lifted = await clock(tab);
   await until(tab, lifted + 1);
