@@ -57,6 +57,7 @@ async function fits(tab, name) {
       if (p.left < q.right - 1 && q.left < p.right - 1 && p.top < q.bottom - 1 && q.top < p.bottom - 1) faults.push(`${a.id || a.textContent} over ${b.id || b.textContent}`);
     }));
     for (const [e] of boxes) if (e.scrollWidth > e.clientWidth + 1 || e.clientHeight > 60) faults.push(`${e.id || e.textContent} is cut`);
+    for (const e of document.querySelectorAll(".meter .name")) if (e.scrollWidth > e.clientWidth) faults.push(`${e.textContent} is cut`);
     return faults;
   });
   assert.deepEqual(covered, [], name);
