@@ -288,8 +288,7 @@ KINDS = {"meshes": MESHES, "worlds": WORLDS, "recordings": RECORDINGS, "pickles"
 
 
 @pytest.mark.parametrize("files", KINDS.values(), ids=KINDS)
-# not collected yet: it has not been run
-def hostile_files_never_end_the_interpreter(files, tmp_path):
+def test_hostile_files_never_end_the_interpreter(files, tmp_path):
     script = TRIED + textwrap.dedent(files) + 'print("ended", seen)\n'
     run = subprocess.run([sys.executable, "-X", "faulthandler", "-c", script, str(tmp_path)], capture_output=True, text=True, timeout=300)
     assert run.returncode == 0, (run.returncode, run.stderr[-2000:])
