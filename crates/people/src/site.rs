@@ -2,7 +2,7 @@
 
 use crate::digest::sha256;
 use crate::order::orders;
-use crate::study::{Study, StudyWorld, Task};
+use crate::study::{Study, StudyWorld};
 use crate::walk::Shots;
 use serde_json::{Value, json};
 use std::borrow::Cow;
@@ -94,13 +94,13 @@ fn content(study: &Study, shots: &[Shots]) -> Value {
     let world = |(at, (world, shots)): (usize, (&StudyWorld, &Shots))| {
         let mut value = json!(shots);
         value["name"] = json!(world.name);
-        value["title"] = json!(format!("Map {}", at + 1));
         value["file"] = json!(map_file(at));
         value["options"] = json!(world.options);
         value
     };
+    let tasks = study.tasks.iter().map(|task| task.name().to_owned());
     let instructions: serde_json::Map<String, Value> =
-        study.tasks.iter().map(|task: &Task| task.name().to_owned()).zip(study.instructions.iter().map(|t| json!(t))).collect();
+        tasks.zip(study.instructions.iter().map(|text| json!(text))).collect();
     json!({
         "version": 1,
         "title": study.title,

@@ -133,6 +133,20 @@ pub struct Scale {
     pub ends: Vec<String>,
 }
 
+impl Scale {
+    /// What each of its answers is about, as tables name it.
+    pub fn items(&self) -> Vec<&str> {
+        match self.kind {
+            ScaleKind::NasaTlx => NASA_TLX.to_vec(),
+            ScaleKind::Likert => self.statements.iter().map(String::as_str).collect(),
+        }
+    }
+}
+
+/// The scales of the NASA Task Load Index, in its order. The page has its questions.
+const NASA_TLX: [&str; 6] =
+    ["mental demand", "physical demand", "temporal demand", "performance", "effort", "frustration"];
+
 /// The kinds of scales.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
