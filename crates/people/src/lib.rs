@@ -10,6 +10,7 @@
 
 mod collect;
 mod digest;
+mod import;
 mod order;
 mod server;
 mod simulate;
@@ -19,9 +20,10 @@ mod study;
 mod walk;
 
 pub use collect::{Collected, collect};
+pub use import::add_file;
 pub use order::{Trial, orders};
 pub use server::{Serving, serve};
 pub use simulate::{Truth, simulate};
-pub use site::{Site, SiteFile, Sink};
+pub use site::{Sink, Site, SiteFile};
 pub use store::{Begin, Chunk, Forgotten, Put, Refusal, Session, Store, StoreError, StoredSession};
 pub use study::{MAX_PARTICIPANTS, Scale, ScaleKind, Study, StudyWorld, TEMPLATE, Task};

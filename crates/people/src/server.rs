@@ -161,7 +161,11 @@ async fn begin(State(app): State<Arc<App>>, body: Bytes) -> Response {
             begins.pop_front();
         }
         if begins.len() >= MAX_BEGINS {
-            return sentence(StatusCode::TOO_MANY_REQUESTS, "busy", "many are beginning just now; wait a minute");
+            return sentence(
+                StatusCode::TOO_MANY_REQUESTS,
+                "busy",
+                "many are beginning just now; wait a minute",
+            );
         }
         begins.push_back(now);
     }
@@ -287,4 +291,173 @@ fn locked<T>(value: &Mutex<T>) -> MutexGuard<'_, T> {
 /// Seconds since 1970.
 fn now() -> i64 {
     SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |passed| passed.as_secs() as i64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::digest::sha256;
+    use crate::site::Sink;
+    use crate::study::{Study, TEMPLATE};
+    use std::io::{Read, Write};
+    use std::net::{Ipv4Addr, SocketAddr, TcpStream};
+    use std::sync::atomic::{AtomicBool, Ordering};
+    use std::thread::JoinHandle;
+
+    /// A server of the template's study, and a folder with its store.
+    struct Running {
+        folder: tempfile::TempDir,
+        address: SocketAddr,
+        study: String,
+        is_over: Arc<AtomicBool>,
+        thread: Option<JoinHandle<()>>,
+    }
+
+    impl Running {
+        fn new() -> Self {
+            let folder = tempfile::tempdir().unwrap();
+            let file = folder.path().join("study.toml");
+            std::fs::write(&file, TEMPLATE).unwrap();
+            let study = Study::read(&file).unwrap();
+            let site = Site::new(&study, Sink::Server);
+            let store = Store::open(&study.database()).unwrap();
+            let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+            let address = listener.local_addr().unwrap();
+            let (digest, hosts) = (site.digest.clone(), vec![address.to_string()]);
+            let serving = Serving { site, store, participants: 2, code: Some("DONE".to_owned()), hosts };
+            let is_over = Arc::new(AtomicBool::new(false));
+            let flag = is_over.clone();
+            let thread =
+                std::thread::spawn(move || serve(listener, serving, || flag.load(Ordering::SeqCst)).unwrap());
+            Self { folder, address, study: digest, is_over, thread: Some(thread) }
+        }
+
+        /// The answer to a request whose head lines and body are given, HOST standing for the server's.
+        fn ask(&self, head: &str, body: &str) -> String {
+            let mut stream = TcpStream::connect(self.address).unwrap();
+            let head = head.replace("HOST", &self.address.to_string());
+            let length = body.len();
+            // a body that is refused may not be read to its end
+            let _ = write!(stream, "{head}\r\nContent-Length: {length}\r\nConnection: close\r\n\r\n{body}");
+            let mut answer = Vec::new();
+            let _ = stream.read_to_end(&mut answer);
+            String::from_utf8_lossy(&answer).into_owned()
+        }
+
+        fn begin(&self, key: &str) -> String {
+            let body = json!({ "key": key, "platform_ids": [], "study": self.study }).to_string();
+            self.ask("POST /api/session HTTP/1.1\r\nHost: HOST\r\nOrigin: http://HOST", &body)
+        }
+
+        fn put(&self, key: &str, place: &str, body: &str) -> String {
+            let sha256 = sha256(body.as_bytes());
+            let head = format!(
+                "PUT /api/chunks/{place} HTTP/1.1\r\nHost: HOST\r\nx-session-key: {key}\r\nx-sha256: {sha256}"
+            );
+            self.ask(&head, body)
+        }
+    }
+
+    impl Drop for Running {
+        fn drop(&mut self) {
+            self.is_over.store(true, Ordering::SeqCst);
+            let _ = self.thread.take().unwrap().join();
+        }
+    }
+
+    fn status(answer: &str) -> &str {
+        answer.split(' ').nth(1).unwrap_or(answer)
+    }
+
+    #[test]
+    fn a_session_goes_from_its_beginning_to_its_code() {
+        let server = Running::new();
+        let key = sha256(b"a key");
+        let begun = server.begin(&key);
+        assert!(begun.starts_with("HTTP/1.1 200") && begun.contains(r#""place":0"#), "{begun}");
+        assert_eq!(server.begin(&key).lines().last(), begun.lines().last());
+        let body = r#"[{"kind":"done"}]"#;
+        assert!(server.put(&key, "0/0", body).ends_with(r#"{"known":false}"#));
+        assert!(server.put(&key, "0/0", body).ends_with(r#"{"known":true}"#));
+        let other = server.put(&key, "0/0", "[]");
+        assert!(status(&other) == "409" && other.contains("other-chunk"), "{other}");
+        let finish = |digest: &str| {
+            let head = format!("POST /api/finish HTTP/1.1\r\nHost: HOST\r\nx-session-key: {key}");
+            server.ask(&head, &json!({ "digest": digest }).to_string())
+        };
+        assert!(finish(&sha256(b"")).contains("not-whole"));
+        let whole = sha256(format!("0 0 {}\n", sha256(body.as_bytes())).as_bytes());
+        assert!(finish(&whole).ends_with(r#"{"code":"DONE"}"#));
+        assert!(server.put(&key, "1/0", "[]").contains("finished"));
+        let listed =
+            server.ask(&format!("GET /api/session HTTP/1.1\r\nHost: HOST\r\nx-session-key: {key}"), "");
+        assert!(listed.contains(&format!(r#"[0,0,"{}"]"#, sha256(body.as_bytes()))), "{listed}");
+        // the second participant is the last one
+        assert_eq!(status(&server.begin(&sha256(b"b"))), "200");
+        assert!(server.begin(&sha256(b"c")).contains("full"));
+    }
+
+    #[test]
+    fn nothing_that_is_secret_and_nothing_else_has_an_address() {
+        let server = Running::new();
+        let get = |path: &str| server.ask(&format!("GET {path} HTTP/1.1\r\nHost: HOST"), "");
+        let page = get("/");
+        assert!(page.starts_with("HTTP/1.1 200") && page.contains("study.js"), "{page}");
+        assert!(page.contains("frame-ancestors 'none'") && page.contains("nosniff"), "{page}");
+        assert!(get("/study.js").contains("text/javascript") && get("/maps/1.svg").contains("<svg"));
+        let study = get("/study.json");
+        assert!(study.contains(&server.study) && !study.contains("DONE") && !study.contains("risk"));
+        for path in [
+            "/study.sqlite",
+            "/study.toml",
+            "/../study.toml",
+            "/%2e%2e/study.toml",
+            "//",
+            "/maps",
+            "/maps/9.svg",
+            "/api",
+        ] {
+            assert_eq!(status(&get(path)), "404", "{path}");
+        }
+        assert!(server.folder.path().join("study.sqlite").is_file());
+    }
+
+    #[test]
+    fn hostile_requests_are_refused_and_change_nothing() {
+        let server = Running::new();
+        let key = sha256(b"a key");
+        server.begin(&key);
+        let body = json!({ "key": sha256(b"x"), "platform_ids": [], "study": server.study }).to_string();
+        for (head, expected) in [
+            ("POST /api/session HTTP/1.1\r\nHost: HOST\r\nOrigin: http://evil.example", "403"),
+            ("POST /api/session HTTP/1.1\r\nHost: HOST\r\nOrigin: null", "403"),
+            ("POST /api/session HTTP/1.1\r\nHost: evil.example", "403"),
+            ("POST /api/session HTTP/1.0", "403"),
+            ("POST /study.json HTTP/1.1\r\nHost: HOST", "405"),
+            ("DELETE /api/session HTTP/1.1\r\nHost: HOST", "405"),
+        ] {
+            let answer = server.ask(head, &body);
+            assert_eq!(status(&answer), expected, "{head}: {answer}");
+        }
+        assert_eq!(status(&server.ask("POST /api/session HTTP/1.1\r\nHost: HOST", "{")), "400");
+        assert!(server.begin("<script>").contains("hexadecimal"));
+        assert_eq!(status(&server.put(&sha256(b"guessed"), "0/0", "[]")), "403");
+        assert_eq!(status(&server.put("", "0/0", "[]")), "403");
+        for place in ["-1/0", "0/x", "99999999999/0", "0/0/0"] {
+            assert!(["400", "404"].contains(&status(&server.put(&key, place, "[]"))), "{place}");
+        }
+        assert_eq!(status(&server.put(&key, "0/0", &format!("[{}]", " ".repeat(MAX_CHUNK_BYTES)))), "413");
+        let claimed = "PUT /api/chunks/0/0 HTTP/1.1\r\nHost: HOST\r\nx-session-key: k\r\nx-sha256: x\r\nTransfer-Encoding: chunked";
+        assert_eq!(status(&server.ask(claimed, "")), "400");
+        assert_eq!(server.put(&key, "0/0", "[]").lines().last(), Some(r#"{"known":false}"#));
+    }
+
+    #[test]
+    fn many_beginnings_at_once_are_bounded() {
+        let server = Running::new();
+        let key = sha256(b"a key");
+        let refused =
+            (0..=MAX_BEGINS).map(|_| server.begin(&key)).filter(|answer| status(answer) == "429").count();
+        assert_eq!(refused, 1);
+    }
 }

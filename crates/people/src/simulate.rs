@@ -62,7 +62,10 @@ pub fn simulate(
         let trials = &orders[session.place as usize % orders.len()];
         let mut chunks = Vec::new();
         for (trial, page) in (0..).zip(trials) {
-            let data = answer(study, page, perception, eta, &mut rng);
+            let mut data = answer(study, page, perception, eta, &mut rng);
+            if *page == Trial::Consent {
+                data["order"] = json!(session.place as usize % orders.len() + 1);
+            }
             let body = json!([{ "kind": "done", "at_ms": 0, "data": data }]).to_string();
             let sha256 = sha256(body.as_bytes());
             store.put(&key, &Chunk { trial, number: 0, sha256: &sha256, body: &body }, 0)?;

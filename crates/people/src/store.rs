@@ -213,9 +213,10 @@ impl Store {
     pub fn open_existing(file: &Path) -> Result<Self, StoreError> {
         match file.is_file() {
             true => Self::open(file),
-            false => {
-                Err(StoreError::File { file: file.to_owned(), sentence: "nobody has answered yet".to_owned() })
-            }
+            false => Err(StoreError::File {
+                file: file.to_owned(),
+                sentence: "nobody has answered yet".to_owned(),
+            }),
         }
     }
 
@@ -265,7 +266,9 @@ impl Store {
         }
         let is_plain = |(name, value): &(String, String)| is_word(name) && is_word(value);
         if begin.platform_ids.len() > 24 || !begin.platform_ids.iter().all(is_plain) {
-            return Err(Refusal::Form("names and values of a platform must be letters, digits, - and _").into());
+            return Err(
+                Refusal::Form("names and values of a platform must be letters, digits, - and _").into()
+            );
         }
         let key_sha256 = sha256(begin.key.as_bytes());
         let identity = match begin.platform_ids.first() {
@@ -325,7 +328,9 @@ impl Store {
     /// A [`Refusal`].
     pub fn put(&mut self, key: &str, chunk: &Chunk, now: i64) -> Result<Put, StoreError> {
         if chunk.trial > MAX_NUMBER || chunk.number > MAX_NUMBER || !is_digest(chunk.sha256) {
-            return Err(Refusal::Form("a chunk needs numbers up to 1000000 and the SHA-256 of its body").into());
+            return Err(
+                Refusal::Form("a chunk needs numbers up to 1000000 and the SHA-256 of its body").into()
+            );
         }
         if chunk.body.len() > MAX_CHUNK_BYTES {
             return Err(Refusal::TooMuch.into());
@@ -451,8 +456,9 @@ impl Store {
             .connection
             .prepare("SELECT trial, body FROM chunks WHERE participant = ?1 ORDER BY trial, number")?;
         for session in &mut sessions {
-            let chunks = statement
-                .query_map([&session.participant], |row| Ok((row.get::<_, u32>(0)?, row.get::<_, String>(1)?)))?;
+            let chunks = statement.query_map([&session.participant], |row| {
+                Ok((row.get::<_, u32>(0)?, row.get::<_, String>(1)?))
+            })?;
             for chunk in chunks {
                 let (trial, body) = chunk?;
                 // checked when it was put
@@ -487,9 +493,17 @@ impl Store {
         let participants = self.participants_of(id).map_err(failed)?;
         let participant = match participants.as_slice() {
             [one] => one.clone(),
-            [] => return Err(refused(format!("nobody is known as `{id}`; give the number of a participant, or the identity of a platform"))),
+            [] => {
+                return Err(refused(format!(
+                    "nobody is known as `{id}`; give the number of a participant, or the identity of a platform"
+                )));
+            }
             many => {
-                let sentence = format!("`{id}` stands for {} people; give the number of one: {}", many.len(), many.join(", "));
+                let sentence = format!(
+                    "`{id}` stands for {} people; give the number of one: {}",
+                    many.len(),
+                    many.join(", ")
+                );
                 return Err(refused(sentence));
             }
         };
@@ -507,7 +521,12 @@ impl Store {
         let sweep = "PRAGMA wal_checkpoint(TRUNCATE); VACUUM; PRAGMA wal_checkpoint(TRUNCATE);";
         self.connection.execute_batch(sweep).map_err(failed)?;
         let searched_bytes = self.search(&traces)?;
-        Ok(Forgotten { participant, chunks: chunks as u64, platform_ids: platform_ids as u64, searched_bytes })
+        Ok(Forgotten {
+            participant,
+            chunks: chunks as u64,
+            platform_ids: platform_ids as u64,
+            searched_bytes,
+        })
     }
 
     /// What identifies a person in the files: pseudonym, digest of the key, identities of a platform.
@@ -535,11 +554,14 @@ impl Store {
             let bytes = match std::fs::read(&file) {
                 Ok(bytes) => bytes,
                 Err(error) if error.kind() == std::io::ErrorKind::NotFound => continue,
-                Err(error) => return Err(StoreError::File { file, sentence: format!("cannot be searched: {error}") }),
+                Err(error) => {
+                    return Err(StoreError::File { file, sentence: format!("cannot be searched: {error}") });
+                }
             };
             let has = |trace: &&String| bytes.windows(trace.len()).any(|part| part == trace.as_bytes());
             if traces.iter().find(has).is_some() {
-                let sentence = "the rows are removed, but the file still has a trace; stop the server and try again";
+                let sentence =
+                    "the rows are removed, but the file still has a trace; stop the server and try again";
                 return Err(StoreError::File { file, sentence: sentence.to_owned() });
             }
             searched += bytes.len() as u64;
@@ -554,7 +576,9 @@ impl Store {
     pub fn faults(&self) -> Result<Vec<String>, StoreError> {
         let read = || -> rusqlite::Result<Vec<String>> {
             let mut statement = self.connection.prepare("PRAGMA integrity_check")?;
-            let found = statement.query_map([], |row| row.get::<_, String>(0))?.collect::<rusqlite::Result<Vec<_>>>()?;
+            let found = statement
+                .query_map([], |row| row.get::<_, String>(0))?
+                .collect::<rusqlite::Result<Vec<_>>>()?;
             Ok(found.into_iter().filter(|line| line != "ok").collect())
         };
         read().map_err(|source| self.failed(source))
@@ -565,9 +589,10 @@ impl Store {
     /// # Errors
     /// The file cannot be read.
     pub fn counts(&self) -> Result<[u64; 2], StoreError> {
-        let counted = self.connection.query_row("SELECT count(*), count(finished) FROM sessions", [], |row| {
-            Ok([unsigned(row.get(0)?), unsigned(row.get(1)?)])
-        });
+        let counted =
+            self.connection.query_row("SELECT count(*), count(finished) FROM sessions", [], |row| {
+                Ok([unsigned(row.get(0)?), unsigned(row.get(1)?)])
+            });
         counted.map_err(|source| self.failed(source))
     }
 
@@ -696,7 +721,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("s.sqlite");
         let mut store = Store::open(&file).unwrap();
-        let anna = [("PID".to_owned(), "annasidentity".to_owned()), ("STUDY".to_owned(), "shared".to_owned())];
+        let anna =
+            [("PID".to_owned(), "annasidentity".to_owned()), ("STUDY".to_owned(), "shared".to_owned())];
         let ben = [("PID".to_owned(), "bensidentity".to_owned()), ("STUDY".to_owned(), "shared".to_owned())];
         let participant = store.begin(&begin(&key(1), &anna)).unwrap().participant;
         store.begin(&begin(&key(2), &ben)).unwrap();
@@ -715,7 +741,12 @@ mod tests {
         assert!(store.forget("clara").unwrap_err().to_string().contains("nobody is known as `clara`"));
         let forgotten = store.forget("annasidentity").unwrap();
         assert_eq!((forgotten.chunks, forgotten.platform_ids, &forgotten.participant), (40, 2, &participant));
-        assert!(!has("annasidentity") && !has(&participant) && !has("secretword") && !has(&sha256(key(1).as_bytes())));
+        assert!(
+            !has("annasidentity")
+                && !has(&participant)
+                && !has("secretword")
+                && !has(&sha256(key(1).as_bytes()))
+        );
         assert!(has("bensidentity") && store.faults().unwrap().is_empty());
         assert_eq!(store.chunks(&key(2)).unwrap().len(), 40);
         assert_eq!(refusal(store.chunks(&key(1))), Refusal::Unknown);
@@ -729,7 +760,11 @@ mod tests {
         Store::open(&file).unwrap().connection.pragma_update(None, "user_version", 9).unwrap();
         let Err(error) = Store::open(&file) else { panic!("it is opened") };
         assert!(error.to_string().contains("version 9"), "{error}");
-        std::fs::write(folder.path().join("text.sqlite"), "not a database, but long enough to be one".repeat(100)).unwrap();
+        std::fs::write(
+            folder.path().join("text.sqlite"),
+            "not a database, but long enough to be one".repeat(100),
+        )
+        .unwrap();
         assert!(Store::open(&folder.path().join("text.sqlite")).is_err());
     }
 }

@@ -442,7 +442,8 @@ impl Checked<'_> {
 
     fn question(self, given: &QuestionText) -> Result<Question, Error> {
         let answers = given.answers.get_ref();
-        if !(2..=MAX_ITEMS).contains(&answers.len()) || answers.iter().any(|answer| answer.trim().is_empty()) {
+        if !(2..=MAX_ITEMS).contains(&answers.len()) || answers.iter().any(|answer| answer.trim().is_empty())
+        {
             let expected = format!("a list of 2 to {MAX_ITEMS} texts");
             return Err(self.wrong(&given.answers, "answers", self.written(&given.answers), &expected));
         }

@@ -144,7 +144,10 @@ mod tests {
                 let off = cocarry::math::hypot(walk.frames[0][0] - x, walk.frames[0][1] - y);
                 assert!(off < 0.3 * stimulus_scale, "{off} px");
                 assert_eq!(walk.frames.len() as u64, 4 * walk.steps + 1);
-                assert_eq!([walk.step_at(0.0), walk.step_at(399.9), walk.step_at(1e9)], [0, 1, walk.steps - 1]);
+                assert_eq!(
+                    [walk.step_at(0.0), walk.step_at(399.9), walk.step_at(1e9)],
+                    [0, 1, walk.steps - 1]
+                );
             }
         }
     }

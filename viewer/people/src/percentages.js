@@ -26,6 +26,7 @@ export const Percentages = plugin("percentages", async (display, trial) => {
   fields.forEach((field, index) => {
     field.addEventListener("input", () => {
       add();
+      message.textContent = "";
       note("input", { data: { option: world.options[index], text: field.value.slice(0, 10) } });
     });
     // Enter goes on to the next field, and from the last one to the next page
