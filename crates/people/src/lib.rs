@@ -26,4 +26,4 @@ pub use server::{Serving, serve};
 pub use simulate::{Truth, simulate};
 pub use site::{Sink, Site, SiteFile};
 pub use store::{Begin, Chunk, Forgotten, Put, Refusal, Session, Store, StoreError, StoredSession};
-pub use study::{MAX_PARTICIPANTS, Scale, ScaleKind, Study, StudyWorld, TEMPLATE, Task};
+pub use study::{End, MAX_PARTICIPANTS, Question, Scale, ScaleKind, Study, StudyWorld, TEMPLATE, Task};

@@ -382,7 +382,7 @@ pub(crate) fn is_word(text: &str) -> bool {
 #[derive(Clone, Copy)]
 struct Checked<'a>(Source<'a>);
 
-impl Checked<'_> {
+impl<'a> Checked<'a> {
     fn place<T>(self, value: &Spanned<T>, item: &str) -> Place {
         self.0.place(value, item)
     }
@@ -393,7 +393,7 @@ impl Checked<'_> {
     }
 
     /// A value as written.
-    fn written<T>(self, value: &Spanned<T>) -> &str {
+    fn written<T>(self, value: &Spanned<T>) -> &'a str {
         self.0.text.get(value.span()).unwrap_or_default().trim()
     }
 
@@ -421,7 +421,8 @@ impl Checked<'_> {
         let asked = name.get_ref();
         let path = folder.join(asked);
         let place = || self.place(name, key);
-        let refused = |error: Error| Error::value(place(), format_args!("{asked:?}: {error}"));
+        let refused =
+            |error: Error| Error::value(place(), format_args!("{asked:?}: cannot be used")).because(error);
         let mut world = cocarry_maps::find(&path, asked).map_err(refused)?;
         world.file.clone_from(asked);
         let is_built_in = !path.is_file();

@@ -131,8 +131,8 @@ fn run_check(file: &Path) -> Result<(), Failure> {
 
 fn run_build(BuildArguments { study, output, overwrite }: &BuildArguments) -> Result<(), Failure> {
     let site = Site::new(&read(study)?, Sink::Download);
-    let files: Vec<(PathBuf, _)> =
-        site.files.iter().map(|file| (output.join(&*file.name), file.bytes.as_ref())).collect();
+    let files: Vec<(PathBuf, &[u8])> =
+        site.files.iter().map(|file| (output.join(&*file.name), &*file.bytes)).collect();
     // before folders are made, which have no files then
     if output.exists() {
         let existing =
