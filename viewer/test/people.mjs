@@ -3,7 +3,7 @@
 // Nothing that the server acknowledged is lost, nothing is counted twice, and every page keeps the rules of axe-core.
 import assert from "node:assert/strict";
 import { execFileSync, spawn, spawnSync } from "node:child_process";
-import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -30,14 +30,21 @@ writeFileSync(join(folder, "short.toml"), [
   box("north", "2.0", "2.65", "8.0", "0.1"), box("south", "2.0", "-2.85", "8.0", "0.1"), box("west", "-2.0", "-0.1", "0.1", "5.6"), box("east", "6.0", "-0.1", "0.1", "5.6"),
 ].join("\n"));
 cocarry("study", "new", ".");
+// people carry where the simulator is built
+const page = fileURLToPath(new URL("../dist/page", import.meta.url));
+const carries = existsSync(join(page, "cocarry.wasm"));
+if (!carries) console.log("skipped: people who carry; build the module of the page with: crates/web/build");
+const simulator = carries ? ["--page", page] : [];
 const template = readFileSync(join(folder, "study.toml"), "utf8");
 writeFileSync(join(folder, "study.toml"), template
   .replace('worlds = ["environment-1", "environment-4"]', 'worlds = ["short.toml"]')
-  .replace('world = "free-form"', 'world = "environment-1"'));
+  .replace('world = "free-form"', 'world = "short.toml"')
+  .replace('tasks = ["percentages", "switch"]', `tasks = ["percentages", "switch"${carries ? ', "carry"' : ""}]`)
+  .replace("[end]", `${carries ? '[carry]\nmethods = ["mutual"]\ntext = "Carry along."\n\n' : ""}[end]`));
 
 // The server; `port` is that of an earlier one, or 0.
 async function serve(port = 0) {
-  const server = spawn(program, ["study", "serve", "study.toml", "--port", String(port)], { cwd: folder, stdio: ["ignore", "pipe", "inherit"] });
+  const server = spawn(program, ["study", "serve", "study.toml", "--port", String(port), ...simulator], { cwd: folder, stdio: ["ignore", "pipe", "inherit"] });
   for await (const line of createInterface({ input: server.stdout })) {
     const address = /^the study is at (http:\/\/127\.0\.0\.1:(\d+)\/)$/.exec(line);
     if (address) return { server, address: address[1], port: Number(address[2]) };
@@ -142,7 +149,8 @@ const PAGES = {
   async "How likely would you go each way?"(tab) {
     const count = await tab.locator(".shares input").count();
     await tab.locator(".shares input").first().focus();
-    const shares = count === 2 ? ["30", "70"] : ["10", "20", "30", "40"];
+    const shares = ["30", "70"];
+    assert.equal(count, shares.length);
     for (const share of shares) {
       await tab.keyboard.press("Control+A");
       await tab.keyboard.type(share);
@@ -167,6 +175,22 @@ const PAGES = {
       await tab.waitForSelector("text=has arrived", { timeout: 30e3 });
       await tab.keyboard.press("Enter");
     }
+  },
+  async "You carry along"(tab) {
+    await tab.keyboard.press("Enter");
+  },
+  async "Carry along"(tab) {
+    await tab.waitForFunction(() => document.activeElement?.textContent === "Start");
+    await tab.keyboard.press("Enter");
+    await tab.waitForTimeout(1500);
+    // takes the lead, goes to the right for a while, and gives it back
+    await tab.keyboard.press("t");
+    await tab.keyboard.down("ArrowRight");
+    await tab.waitForTimeout(1500);
+    await tab.keyboard.up("ArrowRight");
+    await tab.keyboard.press("t");
+    await tab.waitForFunction(() => document.activeElement?.textContent === "Continue", null, { timeout: 180e3 });
+    await tab.keyboard.press("Enter");
   },
   async "How was it?"(tab) {
     for (const slider of await tab.locator("input[type=range]").all()) {
@@ -240,7 +264,7 @@ async function one() {
       await onPage(tab, number);
     }
     if (title === "How was it?") {
-      // the server is killed; the participant goes on and is told
+      // the server is killed; the participant goes on, and is told
       await killed(server);
       await PAGES[title](tab, {});
       await tab.waitForFunction(() => document.getElementById("status").textContent.includes("connection is interrupted"), null, { timeout: 30e3 });
@@ -281,6 +305,15 @@ function collected(number) {
   assert.ok(ms > 2900 && ms < 4500, `${ms} ms`);
   assert.ok(Number(stopped[5]) > 10, `${stopped[5]} pictures`);
   assert.deepEqual(followed.slice(3, 6), ["", "", ""]);
+  if (carries) {
+    const [header, row, ...others] = table("carries.csv");
+    assert.equal(others.length, 0);
+    const carried = Object.fromEntries(header.map((name, i) => [name, row[i]]));
+    assert.equal(carried.differs_within_s, "", "run again, it is another episode");
+    assert.ok(Number(carried.human_led_from_s) > 0.5, JSON.stringify(carried));
+    assert.match(cocarry("replay", `answers/${carried.recording}`), /identical/);
+    console.log(`carried: ${carried.outcome} after ${carried.duration_s} s, led from ${carried.human_led_from_s} s; the log gives the same episode, digest by digest`);
+  }
   assert.equal(table("responses.csv").length, 1 + 2 + 6 + 2);
   const flags = table("participants.csv")[1].at(-1);
   assert.ok(!flags.includes("left-out"), flags);
@@ -349,7 +382,7 @@ async function killedOften() {
 
 // Plain files on any host: the participant saves a file.
 async function withoutServer() {
-  cocarry("study", "build", "study.toml", "-o", "site");
+  cocarry("study", "build", "study.toml", "-o", "site", ...simulator);
   const host = await serveFolder(join(folder, "site/"));
   const context = await browser.newContext({ viewport: { width: 1024, height: 760 }, acceptDownloads: true });
   const tab = await goThrough(await opened(context, "", host.address));

@@ -1,9 +1,11 @@
 //! The tables of a study: what `cocarry fit` and `cocarry infer` read, who took part, and what every column means.
 
+use crate::carry::carry_scenario;
 use crate::order::orders;
 use crate::store::StoredSession;
 use crate::study::{Study, StudyWorld};
 use cocarry::episode::Settings;
+use cocarry::scenario::EpisodeLog;
 use cocarry_studies::fit::Guidance;
 use cocarry_studies::table::text_cell;
 use serde::Deserialize;
@@ -21,6 +23,8 @@ const SUM_TOLERANCE: f64 = 1e-6;
 pub struct Collected {
     /// Names and contents of the files; a name may have a folder.
     pub files: Vec<(String, Vec<u8>)>,
+    /// The episodes in which participants carried.
+    pub carries: Vec<CollectedCarry>,
     /// What was left out, and why: one sentence each.
     pub left_out: Vec<String>,
     /// The number of participants in the tables.
@@ -35,6 +39,7 @@ enum Done {
     Instructions {},
     Percentages(Percentages),
     Switch(Switch),
+    Carry(Carry),
     Question { text: String, answers: Vec<String>, right: bool },
     Scale { name: String, answers: Vec<(String, f64)> },
 }
@@ -59,6 +64,35 @@ struct Switch {
     plays: u64,
     stalls: u64,
     longest_frame_ms: f64,
+}
+
+#[derive(Deserialize)]
+struct Carry {
+    world: String,
+    method: String,
+    practice: bool,
+    log: String,
+    stalls: u64,
+    lost_s: f64,
+}
+
+/// An episode in which a participant carried, to be run again.
+#[derive(Clone, Debug)]
+pub struct CollectedCarry {
+    /// The pseudonym.
+    pub participant: String,
+    /// The number of the page, from 1.
+    pub page: u32,
+    /// The world, by its name in tables.
+    pub world: String,
+    /// The method of the robot.
+    pub method: String,
+    /// The log of the page.
+    pub log: EpisodeLog,
+    /// Pictures that came late, and the time by which the episode fell behind the clock, s.
+    pub stalls: u64,
+    /// See `stalls`.
+    pub lost: f64,
 }
 
 /// A column: its name, its unit, and what it means.
@@ -116,6 +150,25 @@ const RESPONSES: [Column; 5] = [
     ("right", "", "whether the answer of a question is right"),
 ];
 
+/// The table that the program writes when it has run the carries again.
+const CARRIES: [Column; 11] = [
+    PARTICIPANT,
+    WORLD,
+    ("method", "", "the robot's method"),
+    ("recording", "", "the episode, run again from the page's log: a file in this folder"),
+    ("outcome", "", "how the episode ended"),
+    ("option", "", "the option that the team walked at the end"),
+    ("duration_s", "s", "simulated time of the episode"),
+    ("human_led_from_s", "s", "when the participant first led; empty: never"),
+    (
+        "differs_within_s",
+        "s",
+        "the second by which the episode run again differs from the page's; empty: it does not",
+    ),
+    ("stalls", "", "the number of pictures that came more than 100 ms after the one before"),
+    ("behind_clock_s", "s", "the time by which the episode fell behind the clock"),
+];
+
 /// A table that is being written.
 struct Table {
     name: &'static str,
@@ -152,6 +205,7 @@ pub fn collect(study: &Study, sessions: &[StoredSession], with_unfinished: bool)
         switches: Table::new("switches.csv", &SWITCHES),
         participants: Table::new("participants.csv", &PARTICIPANTS),
         responses: Table::new("responses.csv", &RESPONSES),
+        carries: Vec::new(),
         left_out: Vec::new(),
     };
     let used: Vec<_> =
@@ -163,13 +217,13 @@ pub fn collect(study: &Study, sessions: &[StoredSession], with_unfinished: bool)
     // all orders have as many pages
     let pages = orders.first().map_or(0, Vec::len);
     used.iter().for_each(|session| collecting.add(session, pages));
-    let Collecting { answers, switches, participants, responses, left_out, .. } = collecting;
+    let Collecting { answers, switches, participants, responses, carries, left_out, .. } = collecting;
     let mut files: Vec<_> = [answers, switches, participants, responses].map(Table::finish).into();
     files.push(dictionary());
     files.push(("README.md".to_owned(), readme(study, used.len(), &left_out).into_bytes()));
     let of_files = study.worlds[..study.measured_worlds()].iter().filter(|world| !world.is_built_in);
     files.extend(of_files.map(|world| (world.name.clone(), world.world.text.clone().into_bytes())));
-    Collected { files, left_out, participants: used.len() }
+    Collected { files, carries, left_out, participants: used.len() }
 }
 
 struct Collecting<'a> {
@@ -178,6 +232,7 @@ struct Collecting<'a> {
     switches: Table,
     participants: Table,
     responses: Table,
+    carries: Vec<CollectedCarry>,
     left_out: Vec<String>,
 }
 
@@ -212,6 +267,13 @@ impl Collecting<'_> {
                             Err(format!("a second walk on option {} of {}", switch.option, switch.world))
                         }
                         true => self.switch(participant, &switch, &mut flags),
+                    }
+                }
+                Ok(Done::Carry(carry)) if carry.practice => Ok(()),
+                Ok(Done::Carry(carry)) => {
+                    match known.insert((carry.world.clone(), Some(format!("method {}", carry.method)))) {
+                        false => Err(format!("carried in {} with {} before", carry.world, carry.method)),
+                        true => self.carry(participant, trial + 1, carry),
                     }
                 }
                 Ok(Done::Question { text, answers, right: is_right }) => {
@@ -336,6 +398,35 @@ impl Collecting<'_> {
     }
 }
 
+impl Collecting<'_> {
+    /// Adds an episode of the study's own scenario.
+    fn carry(&mut self, participant: &str, page: u32, carry: Carry) -> Result<(), String> {
+        let world = self.world(&carry.world)?;
+        let method = self.study.methods.iter().find(|method| method.name() == carry.method);
+        let method = *method.ok_or_else(|| format!("{:?} is not a method of the study", carry.method))?;
+        let expected = carry_scenario(world, method).map_err(|error| error.to_string())?;
+        let log: EpisodeLog =
+            serde_json::from_str(&carry.log).map_err(|error| format!("not a log of an episode: {error}"))?;
+        let scenario = log.checked("the log").map_err(|error| error.to_string())?;
+        if scenario != expected {
+            return Err(format!(
+                "carried another scenario than that of {} with {}",
+                carry.world, carry.method
+            ));
+        }
+        self.carries.push(CollectedCarry {
+            participant: participant.to_owned(),
+            page,
+            world: carry.world,
+            method: carry.method,
+            log,
+            stalls: carry.stalls,
+            lost: carry.lost_s,
+        });
+        Ok(())
+    }
+}
+
 fn seconds(ms: f64) -> String {
     format!("{:.2}", ms / 1000.0)
 }
@@ -345,11 +436,12 @@ fn dictionary() -> (String, Vec<u8>) {
     const COLUMNS: [Column; 4] =
         [("file", "", ""), ("column", "", ""), ("unit", "", ""), ("meaning", "", "")];
     let mut table = Table::new("dictionary.csv", &COLUMNS);
-    let files: [(&str, &[Column]); 4] = [
+    let files: [(&str, &[Column]); 5] = [
         ("answers.csv", &ANSWERS),
         ("switches.csv", &SWITCHES),
         ("participants.csv", &PARTICIPANTS),
         ("responses.csv", &RESPONSES),
+        ("carries.csv", &CARRIES),
     ];
     for (file, columns) in files {
         for (name, unit, meaning) in columns {
@@ -372,6 +464,7 @@ fn readme(study: &Study, participants: usize, left_out: &[String]) -> String {
         | switches.csv | the step at which each participant would have stopped following a robot that leads on an option |\n\
         | participants.csv | a row for each participant: order, times, versions, flags |\n\
         | responses.csv | answers to scales and questions |\n\
+        | carries.csv, carries/ | episodes in which participants carried, if they did, run again and recorded |\n\
         | dictionary.csv | what every column means, with its unit |\n\n";
     text += "```sh\ncocarry fit risk-weight answers.csv\ncocarry fit eta switches.csv\ncocarry infer answers.csv switches.csv\n```\n\n";
     text += "The walks are those of a point along each option at 0.5 m/s, as `cocarry fit eta` takes them. Answers were given on a page: \
@@ -411,7 +504,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let study = study(folder.path());
         let mut store = Store::open(&folder.path().join("s.sqlite")).unwrap();
-        let site = Site::new(&study, Sink::Server);
+        let site = Site::new(&study, Sink::Server, None).unwrap();
         let truths = simulate(&study, &site.digest, &mut store, 5, 1).unwrap();
         // again, nothing changes
         assert_eq!(simulate(&study, &site.digest, &mut store, 5, 1).unwrap().len(), 5);

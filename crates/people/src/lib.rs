@@ -8,6 +8,7 @@
 //! What a participant sees and answers is measured on a page: choices and timing, not forces. A mouse is not a beam in
 //! the hands.
 
+mod carry;
 mod collect;
 mod digest;
 mod import;
@@ -19,7 +20,8 @@ mod store;
 mod study;
 mod walk;
 
-pub use collect::{Collected, collect};
+pub use carry::carry_scenario;
+pub use collect::{Collected, CollectedCarry, collect};
 pub use import::add_file;
 pub use order::{Trial, orders};
 pub use server::{Serving, serve};

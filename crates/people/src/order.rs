@@ -30,6 +30,15 @@ pub enum Trial {
         /// Whether the answer does not count.
         practice: bool,
     },
+    /// Carrying along in a world.
+    Carry {
+        /// The world.
+        world: usize,
+        /// The name of the robot's method.
+        method: &'static str,
+        /// Whether it does not count.
+        practice: bool,
+    },
     /// A question with a right answer.
     Question {
         /// The question.
@@ -56,7 +65,8 @@ fn latin_square(count: usize) -> Vec<Vec<usize>> {
 }
 
 /// The pages of participants, one list for each row of the Latin square: participant i sees row i modulo their number.
-/// The options of a world, too, begin with another one in each row.
+/// The options of a world, and the
+/// robot's methods in it, begin with another one in each row.
 pub fn orders(study: &Study) -> Vec<Vec<Trial>> {
     // the practice world is the last one
     let count = study.measured_worlds();
@@ -78,6 +88,7 @@ fn pages(study: &Study, row: usize, worlds: &[usize]) -> Vec<Trial> {
             pages.push(match task {
                 Task::Percentages => Trial::Percentages { world, practice: true },
                 Task::Switch => Trial::Switch { world, option: 0, practice: true },
+                Task::Carry => Trial::Carry { world, method: study.methods[0].name(), practice: true },
             });
         }
         if at == 0 {
@@ -91,6 +102,12 @@ fn pages(study: &Study, row: usize, worlds: &[usize]) -> Vec<Trial> {
                     let option = |o: usize| (o + row + place) % options;
                     let led = (0..options).map(option);
                     pages.extend(led.map(|option| Trial::Switch { world, option, practice: false }));
+                }
+                Task::Carry => {
+                    let methods = study.methods.len();
+                    let method = |m: usize| study.methods[(m + row + place) % methods].name();
+                    let carried = (0..methods).map(method);
+                    pages.extend(carried.map(|method| Trial::Carry { world, method, practice: false }));
                 }
             }
         }

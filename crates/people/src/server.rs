@@ -34,7 +34,7 @@ const POLL_INTERVAL: Duration = Duration::from_millis(50);
 const HEADERS: [(&str, &str); 5] = [
     (
         "content-security-policy",
-        "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; \
+        "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; \
          connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
     ),
     ("x-content-type-options", "nosniff"),
@@ -319,7 +319,7 @@ mod tests {
             let file = folder.path().join("study.toml");
             std::fs::write(&file, TEMPLATE).unwrap();
             let study = Study::read(&file).unwrap();
-            let site = Site::new(&study, Sink::Server);
+            let site = Site::new(&study, Sink::Server, None).unwrap();
             let store = Store::open(&study.database()).unwrap();
             let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
             let address = listener.local_addr().unwrap();

@@ -83,7 +83,7 @@ fn normal(rng: &mut ChaCha8Rng) -> f64 {
     (-2.0 * math::ln_1p(-u)).sqrt() * math::cos(TAU * v)
 }
 
-/// What the page would record at the end of a trial.
+/// What the page would record at the end of a trial. Simulated participants do not carry.
 fn answer(study: &Study, page: &Trial, perception: Perception, eta: f64, rng: &mut ChaCha8Rng) -> Value {
     match *page {
         Trial::Consent => json!({ "task": "consent", "version": study.consent[0] }),
@@ -109,6 +109,7 @@ fn answer(study: &Study, page: &Trial, perception: Perception, eta: f64, rng: &m
                 "frame": null, "plays": 1, "stalls": 0, "longest_frame_ms": 0,
             })
         }
+        Trial::Carry { .. } => json!({ "task": "instructions" }),
         Trial::Question { question } => {
             let question = &study.questions[question];
             json!({ "task": "question", "text": question.text, "answers": [question.answers[question.right]], "right": true })

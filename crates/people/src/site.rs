@@ -1,9 +1,11 @@
 //! The page on which participants answer: its files.
 
+use crate::carry::{drawing, scenarios};
 use crate::digest::sha256;
 use crate::order::orders;
 use crate::study::{Study, StudyWorld};
 use crate::walk::Shots;
+use cocarry::Error;
 use serde_json::{Value, json};
 use std::borrow::Cow;
 
@@ -14,6 +16,9 @@ const CLIENT: [(&str, &str, &str); 4] = [
     ("study.css", "text/css; charset=utf-8", include_str!("../../../assets/people/study.css")),
     ("NOTICE.txt", "text/plain; charset=utf-8", include_str!("../../../assets/people/NOTICE.txt")),
 ];
+
+/// The simulator, in the page of a study in which people carry.
+const MODULE: &str = "cocarry.wasm";
 
 /// Where the page sends what it records.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,13 +50,19 @@ pub struct Site {
 }
 
 impl Site {
-    /// The page of a study. Equal studies give equal bytes.
-    pub fn new(study: &Study, sink: Sink) -> Self {
+    /// The page of a study. Equal studies give equal bytes. `module` is the simulator as a WebAssembly module, which a page
+    /// needs on which people carry.
+    ///
+    /// # Errors
+    /// The scenario of a carry cannot be written.
+    pub fn new(study: &Study, sink: Sink, module: Option<Cow<'static, [u8]>>) -> Result<Self, Error> {
         let shots: Vec<Shots> =
             study.worlds.iter().map(|world| Shots::of(world, study.shows_openings)).collect();
-        let mut content = content(study, &shots);
-        let maps: String = shots.iter().map(|shots| shots.map.as_str()).collect();
-        let digest = sha256((content.to_string() + &maps).as_bytes());
+        let mut content = content(study, &shots)?;
+        let scenarios = if study.has_carry() { scenarios(study)? } else { Vec::new() };
+        let shown = shots.iter().map(|shots| &shots.map).chain(scenarios.iter().map(|(_, text)| text));
+        let shown: String = shown.map(String::as_str).collect();
+        let digest = sha256((content.to_string() + &shown).as_bytes());
         content["digest"] = json!(digest);
         content["sink"] = json!(match sink {
             Sink::Server => "server",
@@ -72,7 +83,14 @@ impl Site {
             mime: "application/json",
             bytes: content.to_string().into_bytes().into(),
         };
-        Self { files: client.chain(maps).chain([study]).collect(), digest }
+        let scenarios = scenarios.into_iter().map(|(name, text)| SiteFile {
+            name: name.into(),
+            mime: "text/plain; charset=utf-8",
+            bytes: text.into_bytes().into(),
+        });
+        let module = module.map(|bytes| SiteFile { name: MODULE.into(), mime: "application/wasm", bytes });
+        let files = client.chain(maps).chain(scenarios).chain(module).chain([study]);
+        Ok(Self { files: files.collect(), digest })
     }
 
     /// The file at the path of a request, such as `/study.js`.
@@ -90,10 +108,11 @@ fn map_file(world: usize) -> String {
 
 /// What the page knows. It has no risk, no length, no code of the end, and no answer of anybody; it does have the right
 /// answers of questions.
-fn content(study: &Study, shots: &[Shots]) -> Value {
+fn content(study: &Study, shots: &[Shots]) -> Result<Value, Error> {
     let world = |(at, (world, shots)): (usize, (&StudyWorld, &Shots))| {
         let mut value = json!(shots);
         value["name"] = json!(world.name);
+        value["number"] = json!(at + 1);
         value["file"] = json!(map_file(at));
         value["options"] = json!(world.options);
         value
@@ -101,16 +120,17 @@ fn content(study: &Study, shots: &[Shots]) -> Value {
     let tasks = study.tasks.iter().map(|task| task.name().to_owned());
     let instructions: serde_json::Map<String, Value> =
         tasks.zip(study.instructions.iter().map(|text| json!(text))).collect();
-    json!({
+    Ok(json!({
         "version": 1,
         "title": study.title,
         "consent": { "version": study.consent[0], "text": study.consent[1] },
         "instructions": instructions,
         "worlds": study.worlds.iter().zip(shots).enumerate().map(world).collect::<Vec<_>>(),
+        "carry": if study.has_carry() { drawing()? } else { Value::Null },
         "questions": study.questions,
         "scales": study.scales,
         "platform_ids": study.platform_ids,
         "orders": orders(study),
         "end": { "text": study.end.text, "redirect": study.end.redirect },
-    })
+    }))
 }

@@ -4,6 +4,7 @@ use cocarry::bounds;
 use cocarry::error::{Error, Place};
 use cocarry::located::{self, Source};
 use cocarry::options::OptionSet;
+use cocarry::policy::Method;
 use cocarry::preference::{Prospect, RISK_WEIGHT};
 use cocarry::world::World;
 use cocarry_studies::fit::Situation;
@@ -31,6 +32,8 @@ pub enum Task {
     Percentages,
     /// They say when they would stop following a robot that leads on an option.
     Switch,
+    /// They carry along: the simulator runs in the page, and they are the human.
+    Carry,
 }
 
 impl Task {
@@ -39,6 +42,7 @@ impl Task {
         match self {
             Self::Percentages => "percentages",
             Self::Switch => "switch",
+            Self::Carry => "carry",
         }
     }
 }
@@ -68,6 +72,8 @@ pub struct Study {
     pub consent: [String; 2],
     /// Instructions of the tasks, by their place in `tasks`.
     pub instructions: Vec<String>,
+    /// The methods of the robot with which they carry, each in every world.
+    pub methods: Vec<Method>,
     /// The questions with a right answer.
     pub questions: Vec<Question>,
     /// The scales.
@@ -187,6 +193,7 @@ struct StudyText {
     practice: Option<PracticeText>,
     percentages: Option<InstructionsText>,
     switch: Option<InstructionsText>,
+    carry: Option<CarryText>,
     #[serde(default)]
     question: Vec<QuestionText>,
     #[serde(default)]
@@ -219,6 +226,13 @@ struct PracticeText {
 #[serde(deny_unknown_fields)]
 struct InstructionsText {
     text: Spanned<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CarryText {
+    text: Spanned<String>,
+    methods: Spanned<Vec<Method>>,
 }
 
 #[derive(Deserialize)]
@@ -285,23 +299,24 @@ impl Study {
         let is_repeated = tasks.iter().enumerate().any(|(at, task)| tasks[..at].contains(task));
         if tasks.is_empty() || is_repeated {
             let written = source.written(&given.tasks);
-            let expected = "a list of \"percentages\", \"switch\" or both, each once";
+            let expected = "a list of \"percentages\", \"switch\", \"carry\" or several of them, each once";
             return Err(source.wrong(&given.tasks, "tasks", written, expected));
         }
         let mut instructions = Vec::new();
         for task in tasks {
-            let table = match task {
-                Task::Percentages => &given.percentages,
-                Task::Switch => &given.switch,
+            let text = match task {
+                Task::Percentages => given.percentages.as_ref().map(|table| &table.text),
+                Task::Switch => given.switch.as_ref().map(|table| &table.text),
+                Task::Carry => given.carry.as_ref().map(|table| &table.text),
             };
-            let table = table.as_ref().ok_or_else(|| {
+            let text = text.ok_or_else(|| {
                 let name = task.name();
                 Error::missing(
                     source.place(&given.tasks, ""),
                     format_args!("the table [{name}] with the instructions of the task, as `text`"),
                 )
             })?;
-            instructions.push(source.text(&table.text, "text", MAX_TEXT)?);
+            instructions.push(source.text(text, "text", MAX_TEXT)?);
         }
         if !(1..=MAX_PARTICIPANTS).contains(given.participants.get_ref()) {
             let expected = format!("a whole number from 1 to {MAX_PARTICIPANTS}");
@@ -340,6 +355,7 @@ impl Study {
             platform_ids: given.platform_ids.into_iter().map(Spanned::into_inner).collect(),
             consent,
             instructions,
+            methods: source.methods(given.carry.as_ref())?,
             questions: given.question.iter().map(|q| source.question(q)).collect::<Result<_, _>>()?,
             scales,
             end: source.end(given.end)?,
@@ -354,6 +370,11 @@ impl Study {
     /// The index of the world for practice.
     pub fn practice_world(&self) -> Option<usize> {
         self.has_practice.then(|| self.worlds.len() - 1)
+    }
+
+    /// Whether participants carry: the page then needs the simulator as a WebAssembly module.
+    pub fn has_carry(&self) -> bool {
+        self.tasks.contains(&Task::Carry)
     }
 
     /// A world whose answers count, by its name in tables.
@@ -439,6 +460,20 @@ impl<'a> Checked<'a> {
         let set = OptionSet::new(&world, RISK_WEIGHT).map_err(refused)?;
         let Situation { options, prospects, .. } = Situation::new(name.clone(), &set);
         Ok(StudyWorld { name, world, set, options, prospects, is_built_in })
+    }
+
+    /// The methods of the task `carry`; none without it.
+    fn methods(self, given: Option<&CarryText>) -> Result<Vec<Method>, Error> {
+        let Some(CarryText { methods, .. }) = given else { return Ok(Vec::new()) };
+        let listed = methods.get_ref();
+        let is_repeated = listed.iter().enumerate().any(|(at, method)| listed[..at].contains(method));
+        match listed.is_empty() || is_repeated {
+            false => Ok(listed.clone()),
+            true => {
+                let expected = "a list of methods of the robot, each once: see `cocarry run --help`";
+                Err(self.wrong(methods, "methods", self.written(methods), expected))
+            }
+        }
     }
 
     fn question(self, given: &QuestionText) -> Result<Question, Error> {

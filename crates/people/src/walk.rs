@@ -2,7 +2,7 @@
 
 use crate::study::StudyWorld;
 use cocarry::episode::Settings;
-use cocarry::geometry::{PlanarPose, Point, Tandem, direction};
+use cocarry::geometry::{PlanarPose, Point, Tandem, Vector, direction};
 use cocarry::simulation::TORSO_AHEAD;
 use cocarry_output::drawing::{Letters, Moment, STAND_IN, Shown, Stimulus, stand_in};
 use cocarry_studies::fit::Guidance;
@@ -25,6 +25,12 @@ pub struct Shots {
     pub team: String,
     /// The object's centre in `team`, px.
     pub anchor: [f64; 2],
+    /// Pixels of a metre.
+    pub scale_px: f64,
+    /// A, which is at `anchor`, m.
+    pub start_m: [f64; 2],
+    /// Length and breadth of the object, m.
+    pub object_m: [f64; 2],
     /// The walk on each option.
     pub walks: Vec<LedWalk>,
 }
@@ -55,7 +61,17 @@ impl Shots {
         let walks =
             (0..world.options.len()).filter_map(|option| LedWalk::of(world, &stimulus, option)).collect();
         let size = stimulus.size();
-        Self { map: stimulus.map(), size: pair(Point::from(size)), team, anchor: pair(anchor), walks }
+        let scale = (stimulus.pixel(rest.position + Vector::new(1.0, 0.0)) - anchor).x;
+        Self {
+            map: stimulus.map(),
+            size: pair(Point::from(size)),
+            team,
+            anchor: pair(anchor),
+            scale_px: scale,
+            start_m: [rest.position.x, rest.position.y],
+            object_m: [length, world.world.object.size[1]],
+            walks,
+        }
     }
 }
 
@@ -128,12 +144,6 @@ mod tests {
         let study = Study::read(&file).unwrap();
         for world in &study.worlds {
             let shots = Shots::of(world, false);
-            let stimulus_scale = {
-                let shown = Shown { openings: false, options: true };
-                let stimulus = Stimulus::new(&world.world, &world.set, shown, WIDTH, Letters::Text);
-                let start = world.world.start;
-                (stimulus.pixel(start + cocarry::geometry::Vector::new(1.0, 0.0)) - stimulus.pixel(start)).x
-            };
             assert!(!shots.map.contains("risk") && shots.map.starts_with("<svg"), "{}", shots.map);
             assert_eq!(shots.walks.len(), world.options.len());
             for (walk, prospect) in shots.walks.iter().zip(&world.prospects) {
@@ -142,7 +152,7 @@ mod tests {
                 let [x, y] = shots.anchor;
                 // corners are rounded, within the object's length
                 let off = cocarry::math::hypot(walk.frames[0][0] - x, walk.frames[0][1] - y);
-                assert!(off < 0.3 * stimulus_scale, "{off} px");
+                assert!(off < 0.3 * shots.scale_px, "{off} px");
                 assert_eq!(walk.frames.len() as u64, 4 * walk.steps + 1);
                 assert_eq!(
                     [walk.step_at(0.0), walk.step_at(399.9), walk.step_at(1e9)],

@@ -1,5 +1,6 @@
 // The page of a study: session, journal and pages in their order. Reloaded, it goes on at the first page that is not done.
 import { initJsPsych } from "jspsych";
+import { CarryAlong } from "./carry.js";
 import { Journal } from "./journal.js";
 import { make, paragraphs, show } from "./page.js";
 import { Percentages } from "./percentages.js";
@@ -75,7 +76,7 @@ async function begin() {
   ended(study, session, journal, ids);
 }
 
-const TASKS = { consent: Consent, instructions: Instructions, percentages: Percentages, switch: Switch, question: Question, scale: Scale };
+const TASKS = { consent: Consent, instructions: Instructions, percentages: Percentages, switch: Switch, carry: CarryAlong, question: Question, scale: Scale };
 
 // Goes through the pages that are not done, and ends the session.
 async function answered({ study, session, journal, server }) {
@@ -84,7 +85,7 @@ async function answered({ study, session, journal, server }) {
   const progress = document.getElementById("progress");
   const parts = (page) => ({
     consent: study.consent, order: row + 1, text: study.instructions[page.of], of: page.of, world: study.worlds[page.world],
-    option: page.option, practice: page.practice, question: study.questions[page.question], scale: study.scales[page.scale],
+    option: page.option, practice: page.practice, carry: study.carry, method: page.method, question: study.questions[page.question], scale: study.scales[page.scale],
   });
   const timeline = pages.map((page, index) => ({
     type: TASKS[page.task],

@@ -14,9 +14,11 @@ export const Consent = plugin("consent", async (display, { consent, order }) => 
   });
 });
 
+const HEADINGS = { percentages: "Which way would you go?", switch: "The robot leads", carry: "You carry along" };
+
 export const Instructions = plugin("instructions", async (display, { of, text }) => {
   const form = make("form", {}, make("button", {}, "Continue"));
-  show(display, of === "switch" ? "The robot leads" : "Which way would you go?", ...paragraphs(text), form);
+  show(display, HEADINGS[of], ...paragraphs(text), form);
   form.querySelector("button").focus();
   return submitted(form, null, () => ({}));
 });

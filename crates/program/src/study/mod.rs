@@ -54,7 +54,18 @@ pub(super) struct BuildArguments {
     #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
     #[command(flatten)]
+    module: ModuleArguments,
+    #[command(flatten)]
     overwrite: OverwriteArguments,
+}
+
+/// Where the simulator for the page is.
+#[derive(Args, Debug)]
+pub(super) struct ModuleArguments {
+    /// For the task `carry`: the folder with cocarry.wasm, as `crates/web/build` makes it [default: what a program with
+    /// the feature `page` has within, or the folder in a clone of the project]
+    #[arg(long, value_name = "FOLDER")]
+    page: Option<PathBuf>,
 }
 
 /// Serve a study, and keep what participants answer in a database beside the study file
@@ -75,12 +86,15 @@ pub(super) struct ServeArguments {
     /// Also take requests that a proxy on this computer passes on from this address, such as https://study.example.org
     #[arg(long, value_name = "ADDRESS", value_parser = public)]
     public: Option<String>,
+    #[command(flatten)]
+    module: ModuleArguments,
 }
 
 /// Write the answers of a study as tables for `cocarry fit`, `cocarry infer` and others
 ///
 /// The folder gets answers.csv, switches.csv, participants.csv, responses.csv, dictionary.csv with the meaning of every
-/// column, README.md, and the world files that are not built in. Who did not finish is left out, and what does not fit
+/// column, README.md, and the world files that are not built in; of the task `carry` also carries.csv and a recording of each
+/// episode, which is run again and compared with the page's, second by second. Who did not finish is left out, and what does not fit
 /// the study; the program prints it.
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[

@@ -1,17 +1,20 @@
 //! The work of `cocarry study`.
 
 use super::{
-    Action, BuildArguments, CollectArguments, ForgetArguments, NewArguments, ServeArguments,
+    Action, BuildArguments, CollectArguments, ForgetArguments, ModuleArguments, NewArguments, ServeArguments,
     SimulateArguments,
 };
+use crate::demo::files::Pages;
 use crate::export::write_all;
 use crate::interrupt::Interrupt;
-use crate::output::{Failure, counted, input, print, print_verdict, warn, write_file};
+use crate::output::{Failure, OverwriteArguments, counted, input, print, print_verdict, warn, write_file};
+use crate::replay_log::{Replayed, replayed};
 use anyhow::{Context, anyhow};
+use cocarry::episode::Outcome;
 use cocarry::suggestion::shell_word;
 use cocarry_people::{
-    Refusal, Serving, Sink, Site, Store, StoreError, Study, TEMPLATE, Task, add_file, collect, orders, serve,
-    simulate,
+    CollectedCarry, Refusal, Serving, Sink, Site, Store, StoreError, Study, TEMPLATE, Task, add_file,
+    collect, orders, serve, simulate,
 };
 use std::fmt::Write;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
@@ -21,6 +24,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 /// What is said of a page's seconds: reading a page of text, dividing 100 %, looking at a scale.
 const TEXT_S: f64 = 30.0;
 const PERCENTAGES_S: f64 = 40.0;
+const CARRY_S: f64 = 60.0;
 
 pub(super) fn run_action(action: &Action) -> Result<(), Failure> {
     match action {
@@ -99,6 +103,10 @@ fn run_check(file: &Path) -> Result<(), Failure> {
                 counted(study.measured_worlds() as u64, "map"),
                 PERCENTAGES_S * study.measured_worlds() as f64,
             ),
+            Task::Carry => {
+                let carries = study.measured_worlds() * study.methods.len();
+                (counted(carries as u64, "carry"), CARRY_S * carries as f64)
+            }
             Task::Switch => (counted(walks.len() as u64, "walk"), walks.iter().sum()),
         };
         seconds += took;
@@ -129,8 +137,24 @@ fn run_check(file: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-fn run_build(BuildArguments { study, output, overwrite }: &BuildArguments) -> Result<(), Failure> {
-    let site = Site::new(&read(study)?, Sink::Download);
+/// The page of a study, with the simulator if people carry in it.
+fn site(study: &Study, sink: Sink, ModuleArguments { page }: &ModuleArguments) -> Result<Site, Failure> {
+    const MODULE: &str = "/cocarry.wasm";
+    let module = match study.has_carry() {
+        false => None,
+        true => {
+            let pages = Pages::find(page.as_deref()).context("the task `carry`").map_err(input)?;
+            let module = pages
+                .get(MODULE)
+                .ok_or_else(|| input(anyhow!("the task `carry`: the page has no cocarry.wasm")))?;
+            Some(module.bytes)
+        }
+    };
+    Site::new(study, sink, module).map_err(input)
+}
+
+fn run_build(BuildArguments { study, output, module, overwrite }: &BuildArguments) -> Result<(), Failure> {
+    let site = site(&read(study)?, Sink::Download, module)?;
     let files: Vec<(PathBuf, &[u8])> =
         site.files.iter().map(|file| (output.join(&*file.name), &*file.bytes)).collect();
     // before folders are made, which have no files then
@@ -139,13 +163,15 @@ fn run_build(BuildArguments { study, output, overwrite }: &BuildArguments) -> Re
             files.iter().map(|(file, _)| file).filter(|file| file.parent().is_some_and(Path::is_dir));
         overwrite.outputs([study.as_path()], existing)?;
     }
-    made(&output.join("maps"))?;
+    for folder in files.iter().filter_map(|(file, _)| file.parent()) {
+        made(folder)?;
+    }
     write_all(*overwrite, &files)
 }
 
-fn run_serve(ServeArguments { study, port, public }: &ServeArguments) -> Result<(), Failure> {
+fn run_serve(ServeArguments { study, port, public, module }: &ServeArguments) -> Result<(), Failure> {
     let study = read(study)?;
-    let site = Site::new(&study, Sink::Server);
+    let site = site(&study, Sink::Server, module)?;
     let store = Store::open(&study.database()).map_err(of_store)?;
     let address = SocketAddr::from((Ipv4Addr::LOCALHOST, *port));
     let listener = TcpListener::bind(address)
@@ -179,7 +205,7 @@ fn run_collect(arguments: &CollectArguments) -> Result<(), Failure> {
     }
     .map_err(of_store)?;
     if !arguments.add.is_empty() {
-        let digest = Site::new(&study, Sink::Download).digest;
+        let digest = Site::new(&study, Sink::Download, None).map_err(input)?.digest;
         for file in &arguments.add {
             let session = add_file(&study, &digest, &mut store, file, now()).map_err(input)?;
             print(&format!("added {} as {}\n", file.display(), session.participant))?;
@@ -198,8 +224,69 @@ fn run_collect(arguments: &CollectArguments) -> Result<(), Failure> {
         made(folder)?;
     }
     write_all(arguments.overwrite, &files)?;
+    replay_carries(&collected.carries, &arguments.output, arguments.overwrite)?;
     collected.left_out.iter().for_each(|line| warn(&format_args!("left out: {line}")));
     print(&format!("{}\n", counted(collected.participants as u64, "participant")))
+}
+
+/// Runs every carry again, records it, and writes their table.
+fn replay_carries(
+    carries: &[CollectedCarry],
+    folder: &Path,
+    overwrite: OverwriteArguments,
+) -> Result<(), Failure> {
+    if carries.is_empty() {
+        return Ok(());
+    }
+    let recordings = folder.join("carries");
+    made(&recordings)?;
+    let mut table = csv::Writer::from_writer(Vec::new());
+    for carry in carries {
+        let name = format!("{}-{}.mcap", carry.participant, carry.page);
+        let file = recordings.join(&name);
+        overwrite.outputs([], [&file])?;
+        let done = replayed(&carry.log, &name, Some((&file, overwrite.overwrite)))?;
+        let Replayed { same, difference, seconds, outcome, human_led_from, option, .. } = done;
+        let differs_after = difference.as_ref().map(|_| seconds);
+        if let Some(difference) = difference {
+            warn(&format_args!(
+                "{name}: differs within {seconds:.1} s, after {}: {difference}",
+                counted(same, "equal digest")
+            ));
+        }
+        let row = CarryRow {
+            participant: &carry.participant,
+            world: &carry.world,
+            method: &carry.method,
+            recording: format!("carries/{name}"),
+            outcome: outcome.map_or("", Outcome::name),
+            option,
+            duration_s: format!("{seconds:.2}"),
+            human_led_from_s: human_led_from.map(|time| format!("{time:.2}")),
+            differs_within_s: differs_after.map(|time| format!("{time:.2}")),
+            stalls: carry.stalls,
+            behind_clock_s: carry.lost,
+        };
+        table.serialize(row).expect("a table in memory is always written");
+    }
+    let rows = table.into_inner().expect("a table in memory is always written");
+    write_all(overwrite, &[(folder.join("carries.csv"), rows)])
+}
+
+/// A row of the table of carries.
+#[derive(serde::Serialize)]
+struct CarryRow<'a> {
+    participant: &'a str,
+    world: &'a str,
+    method: &'a str,
+    recording: String,
+    outcome: &'a str,
+    option: String,
+    duration_s: String,
+    human_led_from_s: Option<String>,
+    differs_within_s: Option<String>,
+    stalls: u64,
+    behind_clock_s: f64,
 }
 
 fn run_forget(ForgetArguments { study, id }: &ForgetArguments) -> Result<(), Failure> {
@@ -222,7 +309,13 @@ fn run_forget(ForgetArguments { study, id }: &ForgetArguments) -> Result<(), Fai
 fn run_simulate(arguments: &SimulateArguments) -> Result<(), Failure> {
     let study = read(&arguments.study)?;
     let outputs = arguments.overwrite.outputs([study.file.as_path()], &arguments.truth)?;
-    let digest = Site::new(&study, Sink::Server).digest;
+    if study.has_carry() {
+        let file = study.file.display();
+        return Err(input(anyhow!(
+            "{file}: simulated participants do not carry; leave the task `carry` out"
+        )));
+    }
+    let digest = Site::new(&study, Sink::Server, None).map_err(input)?.digest;
     let mut store = Store::open(&study.simulated_database()).map_err(of_store)?;
     let simulated = simulate(&study, &digest, &mut store, arguments.participants, arguments.seed);
     let truths = simulated.map_err(|error| match error {
