@@ -7,8 +7,9 @@ use crate::support::repository;
 fn the_page_of_studies_that_ships_is_built_from_the_sources_that_ship() {
     let page = std::fs::read_to_string(repository("assets/people/index.html")).unwrap();
     let folder = repository("viewer/people");
-    let mut sources: Vec<String> =
-        ["build.mjs", "package-lock.json", "package.json"].map(str::to_owned).into();
+    let others =
+        ["build.mjs", "package-lock.json", "package.json", "../page/carry.js", "../../crates/web/cocarry.js"];
+    let mut sources = Vec::from(others.map(str::to_owned));
     let names = std::fs::read_dir(folder.join("src")).expect("viewer/people/src");
     sources.extend(names.map(|entry| format!("src/{}", entry.unwrap().file_name().to_str().unwrap())));
     sources.sort();

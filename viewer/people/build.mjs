@@ -7,7 +7,7 @@ import { crc32 } from "node:zlib";
 const here = (name) => new URL(name, import.meta.url);
 const read = (name) => readFileSync(here(name), "utf8");
 
-const sources = ["build.mjs", "package-lock.json", "package.json", ...readdirSync(here("src")).map((name) => `src/${name}`)];
+const sources = ["build.mjs", "package-lock.json", "package.json", "../page/carry.js", "../../crates/web/cocarry.js", ...readdirSync(here("src")).map((name) => `src/${name}`)];
 const digest = sources.sort().reduce((sum, name) => crc32(`${name}\n${read(name)}`, sum), 0);
 const bundle = async (entry, options) => {
   const { outputFiles } = await build({

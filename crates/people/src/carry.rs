@@ -45,14 +45,14 @@ pub(crate) fn scenarios(study: &Study) -> Result<Vec<(String, String)>, Error> {
 
 /// What the page draws the team with: the outline of the robot's base about its place, x ahead (m), and the colours.
 pub(crate) fn drawing() -> Result<Value, Error> {
-    let corners = match Robot::built_in()?.footprint {
+    let corners: Vec<[f64; 2]> = match Robot::built_in()?.footprint {
         Footprint::Polygon(corners) => corners.iter().map(|corner| [corner.x, corner.y]).collect(),
         Footprint::Disc { center, radius } => {
-            let corner = |i| {
+            let corner = |i: u32| {
                 let (sin, cos) = cocarry::math::sin_cos(TAU * f64::from(i) / f64::from(CORNERS));
                 [center.x + radius * cos, center.y + radius * sin]
             };
-            (0..CORNERS).map(corner).collect::<Vec<_>>()
+            (0..CORNERS).map(corner).collect()
         }
     };
     Ok(json!({ "base_m": corners, "colours": cocarry_output::player::colours() }))

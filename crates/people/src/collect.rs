@@ -5,7 +5,7 @@ use crate::order::orders;
 use crate::store::StoredSession;
 use crate::study::{Study, StudyWorld};
 use cocarry::episode::Settings;
-use cocarry::scenario::EpisodeLog;
+use cocarry::scenario::{EpisodeLog, Scenario};
 use cocarry_studies::fit::Guidance;
 use cocarry_studies::table::text_cell;
 use serde::Deserialize;
@@ -404,7 +404,9 @@ impl Collecting<'_> {
         let world = self.world(&carry.world)?;
         let method = self.study.methods.iter().find(|method| method.name() == carry.method);
         let method = *method.ok_or_else(|| format!("{:?} is not a method of the study", carry.method))?;
-        let expected = carry_scenario(world, method).map_err(|error| error.to_string())?;
+        // as text has it, which the page was given
+        let expected = carry_scenario(world, method).and_then(|scenario| Scenario::parse(&scenario.text()?));
+        let expected = expected.map_err(|error| error.to_string())?;
         let log: EpisodeLog =
             serde_json::from_str(&carry.log).map_err(|error| format!("not a log of an episode: {error}"))?;
         let scenario = log.checked("the log").map_err(|error| error.to_string())?;

@@ -9,7 +9,7 @@ use cocarry_studies::fit::Guidance;
 use serde::Serialize;
 
 /// Width of the maps, px.
-const WIDTH: f64 = 800.0;
+const WIDTH: f64 = 560.0;
 /// Frames of a planning step; the page draws between them.
 const FRAMES_PER_STEP: u64 = 4;
 
