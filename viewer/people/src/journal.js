@@ -33,8 +33,9 @@ export class Journal {
     await Promise.all([change.store.put(chunk), change.done]);
   }
 
-  async clear() {
-    const change = this.#base.transaction(["session", "chunks"], "readwrite");
-    await Promise.all([change.objectStore("session").clear(), change.objectStore("chunks").clear(), change.done]);
+  // Forgets what was recorded; with `session`, that there was one.
+  async clear(...others) {
+    const stores = ["chunks", ...others], change = this.#base.transaction(stores, "readwrite");
+    await Promise.all([...stores.map((name) => change.objectStore(name).clear()), change.done]);
   }
 }

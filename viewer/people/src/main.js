@@ -110,6 +110,8 @@ async function answered({ study, session, journal, server }) {
     session.code = null;
   }
   await journal.keep(session);
+  // a computer that several people use keeps nothing that the server has
+  if (server) await journal.clear();
 }
 
 // The last page.
@@ -133,7 +135,7 @@ function ended({ end, digest, sink }, session, journal, ids) {
   if (!ids.length) {
     const another = make("button", { type: "button", class: "quiet", id: "another" }, "Another person begins on this computer");
     another.addEventListener("click", async () => {
-      await journal.clear();
+      await journal.clear("session");
       location.reload();
     });
     parts.push(make("p", {}, another));
