@@ -219,11 +219,11 @@ pub struct ControlSummary {
     pub fallback_steps: u64,
     /// Steps in which eq. (8) chose another configuration.
     pub pose_changes: u64,
-    /// Steps in which the base overlapped an obstacle.
+    /// Steps in which the base overlapped an obstacle at the beginning of a control period.
     pub overlapping_steps: u64,
     /// Smallest distance between the base and an obstacle, m; infinite without obstacles.
     pub least_clearance: f64,
-    /// Steps at whose end the robot touched itself.
+    /// Steps in which the robot touched itself at the end of a control period.
     #[serde(default)]
     pub self_contact_steps: u64,
     /// The first two links that did: indices into [`Robot::links`](crate::robot::Robot::links).

@@ -72,7 +72,7 @@ pub const EPISODE: &[Quantity] = quantities! {
     "pose_change_count", Count, "steps in which eq. (8) chose another configuration", |v| v.control().map(|c| c.pose_changes);
     "overlapping_steps", Count, "steps in which the base overlapped an obstacle", |v| v.control().map(|c| c.overlapping_steps);
     "least_base_clearance_m", METRES, "least distance between base and obstacles; missing without obstacles", |v| v.control().map(|c| c.least_clearance);
-    "self_contact_steps", Count, "steps at whose end two links of the robot touched each other, by more than a centimetre", |v| v.control().map(|c| c.self_contact_steps);
+    "self_contact_steps", Count, "steps in which two links of the robot touched each other at the end of a control period, by more than a centimetre", |v| v.control().map(|c| c.self_contact_steps);
     "self_contact", Text, "the first two links that did; missing if none did", |v| v.links(v.control().and_then(|c| c.self_contact));
     "hand_force_mean_n", NEWTONS, "mean of the human's force on the object; missing without physics", |v| v.interaction().map(InteractionSummary::mean_force);
     "hand_force_rms_n", NEWTONS, "root mean square of the human's force on the object", |v| v.interaction().map(InteractionSummary::rms_force);

@@ -115,7 +115,7 @@ pub const CONTROL: &[Quantity] = quantities! {
     "base_x_m", METRES, "position of the base at the beginning of the step, world x", |v| v.robot_tick().map(|r| r.configuration.base.position.x);
     "base_y_m", METRES, "position of the base at the beginning of the step, world y", |v| v.robot_tick().map(|r| r.configuration.base.position.y);
     "base_yaw_deg", DEGREES, "heading of the base at the beginning of the step", |v| v.robot_tick().map(|r| r.configuration.base.yaw.to_degrees());
-    "base_clearance_m", METRES, "distance of the base to the nearest obstacle at the beginning of the step; missing without obstacles", |v| v.robot_tick().map(|r| r.base_clearance);
+    "base_clearance_m", METRES, "least distance of the base to an obstacle at the beginning of a control period of the step; missing without obstacles", |v| v.robot_tick().map(|r| r.base_clearance);
     "tracked", Text, "the option that the robot takes the human to be on; missing while it leads", |v| v.preparation().and_then(|p| p.tracked).map(|o| v.option(o));
     "pose_candidate", Count, "the configuration that eq. (8) chose, 0 the present one; missing where eq. (8) was not solved", |v| v.preparation().map(|p| p.candidate);
     "pose_candidates", Count, "|Q|; missing where eq. (8) was not solved", |v| v.preparation().map(|p| p.candidates);
@@ -125,20 +125,20 @@ pub const CONTROL: &[Quantity] = quantities! {
     "least_singular_value", PLAIN, "least singular value of B(q*), m or rad for a unit input", |v| v.robot_tick().map(RobotTick::least_singular_value);
     "position_error_m", METRES, "distance between grasp and reference at the end of the step", |v| v.robot_tick().map(|r| r.position_error);
     "orientation_error_deg", DEGREES, "angle between grasp and reference at the end of the step", |v| v.robot_tick().map(|r| r.orientation_error.to_degrees());
-    "tracking_cost", PLAIN, "||x - s||_Q^2 at the end of the step", |v| v.robot_tick().map(|r| r.tracking_cost);
-    "effort_cost", PLAIN, "||u||_R^2", |v| v.robot_tick().map(|r| r.effort_cost);
-    "pose_cost", PLAIN, "kappa ||q* - q_c||^2", |v| v.robot_tick().map(|r| r.pose_cost);
-    "self_contact", Text, "two links of the robot that touch each other at the end of the step; missing if none do", |v| v.links(v.robot_tick().and_then(|r| r.self_contact));
-    "left_rim_m_per_s", METRES_PER_SECOND, "u of the left wheel's rim", |v| v.base_input(false).map(|u| u[0]);
-    "right_rim_m_per_s", METRES_PER_SECOND, "u of the right wheel's rim", |v| v.base_input(false).map(|u| u[1]);
+    "tracking_cost", PLAIN, "||x - s||_Q^2 at the end of a control period, the mean over those of the step", |v| v.robot_tick().map(|r| r.tracking_cost);
+    "effort_cost", PLAIN, "||u||_R^2, the mean over the control periods of the step", |v| v.robot_tick().map(|r| r.effort_cost);
+    "pose_cost", PLAIN, "kappa ||q* - q_c||^2, the mean over the control periods of the step", |v| v.robot_tick().map(|r| r.pose_cost);
+    "self_contact", Text, "the first two links of the robot that touch each other at the end of a control period of the step; missing if none do", |v| v.links(v.robot_tick().and_then(|r| r.self_contact));
+    "left_rim_m_per_s", METRES_PER_SECOND, "u of the left wheel's rim, the mean over the step", |v| v.base_input(false).map(|u| u[0]);
+    "right_rim_m_per_s", METRES_PER_SECOND, "u of the right wheel's rim, the mean over the step", |v| v.base_input(false).map(|u| u[1]);
 };
 
 /// The inputs of an omnidirectional base, which has no rim speeds. Missing for other drives.
 #[rustfmt::skip]
 pub const BASE: &[Quantity] = quantities! {
-    "base_ahead_m_per_s", METRES_PER_SECOND, "u of an omnidirectional base ahead; it has no rim speeds", |v| v.base_input(true).map(|u| u[0]);
-    "base_left_m_per_s", METRES_PER_SECOND, "u of an omnidirectional base to its left", |v| v.base_input(true).map(|u| u[1]);
-    "base_turn_rad_per_s", RADIANS_PER_SECOND, "u of an omnidirectional base's turning", |v| v.base_input(true).map(|u| u[2]);
+    "base_ahead_m_per_s", METRES_PER_SECOND, "u of an omnidirectional base ahead, the mean over the step; it has no rim speeds", |v| v.base_input(true).map(|u| u[0]);
+    "base_left_m_per_s", METRES_PER_SECOND, "u of an omnidirectional base to its left, the mean over the step", |v| v.base_input(true).map(|u| u[1]);
+    "base_turn_rad_per_s", RADIANS_PER_SECOND, "u of an omnidirectional base's turning, the mean over the step", |v| v.base_input(true).map(|u| u[2]);
 };
 
 /// Bodies and forces on the physical plant. Missing on the others.
@@ -242,14 +242,14 @@ type OfJoint = Quantity<fn(&JointView) -> Value>;
 pub(super) const REVOLUTE: &[OfJoint] = quantities! {
     "name", Text, "name of the joint", |v| v.joint.name.as_str();
     "position_rad", RADIANS, "position of a revolute joint at the beginning of the step", |v| v.position;
-    "rate_rad_per_s", RADIANS_PER_SECOND, "u of a revolute joint", |v| v.rate;
+    "rate_rad_per_s", RADIANS_PER_SECOND, "u of a revolute joint, the mean over the step", |v| v.rate;
 };
 
 /// The quantities of a prismatic joint.
 pub(super) const PRISMATIC: &[OfJoint] = quantities! {
     "name", Text, "name of the joint", |v| v.joint.name.as_str();
     "position_m", METRES, "position of a prismatic joint at the beginning of the step", |v| v.position;
-    "rate_m_per_s", METRES_PER_SECOND, "u of a prismatic joint", |v| v.rate;
+    "rate_m_per_s", METRES_PER_SECOND, "u of a prismatic joint, the mean over the step", |v| v.rate;
 };
 
 fn joints(view: &View) -> Vec<Fields> {

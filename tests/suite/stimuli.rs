@@ -120,6 +120,16 @@ fn an_episode_for_participants_lasts_as_long_as_the_robot_walks() {
 }
 
 #[test]
+fn what_the_command_sets_itself_is_refused() {
+    for (flag, value) in [("--method", "mutual"), ("--lead-option", "2")] {
+        let output = cocarry(&["stimuli", "environment-1", "-o", ".", flag, value]);
+        assert_eq!(output.status.code(), Some(2));
+        let said = format!("error: {flag}: the robot leads on each option in turn; leave it out\n");
+        assert_eq!(stderr(&output), said);
+    }
+}
+
+#[test]
 fn stimuli_of_two_worlds_of_one_name_are_refused_and_none_is_written() {
     let folder = tempfile::tempdir().expect("a folder");
     let to = folder.path().to_str().expect("UTF-8");

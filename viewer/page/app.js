@@ -24,6 +24,7 @@ const REST_MS = 160;
 const FEW_PICTURES = 24;
 // How far the object may be from where a recording has it, m: recordings have millimetres and less.
 const SAME_M = 1e-4;
+const LONG_LINE = /^(.{400}).+$/gmu;
 const isStill = matchMedia("(prefers-reduced-motion: reduce)").matches;
 
 export class App {
@@ -38,7 +39,7 @@ export class App {
     this.runner.onMeasured = () => this.runner.rates.pictures_per_s < FEW_PICTURES && !this.showsMap && this.view?.coarser();
     this.editor = new Editor(module, catalogue.max_bytes.world, {
       draw: (drawn, file) => this.drawWorld(drawn, file),
-      fault: (sentence) => ($("world-fault").textContent = sentence),
+      fault: (sentence) => this.fault("world-fault", sentence),
       done: (text) => choices.change({ toml: text }),
     });
     this.map = new WorldMap($("map"), $("map-labels"), covered, (...change) => {
@@ -166,7 +167,7 @@ export class App {
       this.play(true);
     } catch (error) {
       if (error.name === "Broken") throw error;
-      $("world-fault").textContent = `${name}: ${error.message}`;
+      this.fault("world-fault", `${name}: ${error.message}`);
     }
   }
 
@@ -204,10 +205,10 @@ export class App {
       core ??= this.module.open(made.scenario);
     } catch (error) {
       if (error.name !== "Refused") throw error;
-      $("scenario-fault").textContent = error.message;
+      this.fault("scenario-fault", error.message);
       return;
     }
-    $("scenario-fault").textContent = "";
+    this.fault("scenario-fault", "");
     const warnings = [...(made.warnings ?? [])];
     $("scenario-note").textContent = warnings.join(" ");
     this.made = made;
@@ -341,7 +342,12 @@ export class App {
 
   warn(sentence) {
     $("warning").hidden = !sentence;
-    $("warning-text").textContent = sentence;
+    this.fault("warning-text", sentence);
+  }
+
+  // Says what is wrong in its place; a line of a file that it shows can have any length.
+  fault(id, sentence) {
+    $(id).textContent = sentence.replace(LONG_LINE, "$1…");
   }
 
   lost(isLost) {

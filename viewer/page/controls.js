@@ -131,7 +131,7 @@ export class Controls {
       try {
         app.openFile(file.name, await files.text(file, Math.max(...Object.values(app.catalogue.max_bytes))));
       } catch (error) {
-        $("world-fault").textContent = error.message;
+        app.fault("world-fault", error.message);
       }
     };
     $("open").addEventListener("click", () => $("file").click());

@@ -126,9 +126,10 @@ async function addressOf(tab) {
   return tab.evaluate(() => location.href);
 }
 
-// An episode of a model, at the highest speed: its digest is the program's, and that of its link.
+// An episode of a model, at the highest speed: its digest is the program's, and that of its link. Each of its choices
+// changes the digest.
 async function repeats() {
-  const { tab, close } = await open(browser, server.address, "plant=kinematic&play=0&method=human-led&belief=learn&eta=15");
+  const { tab, close } = await open(browser, server.address, "plant=kinematic&play=0&belief=learn&eta=8&alpha=0.7&gamma=0.9&stubbornness=0.2");
   await tab.locator("#speed").selectOption("8");
   await tab.locator("#play").click();
   const digest = await over(tab);
@@ -219,9 +220,9 @@ async function takesOver() {
   const recorded = (log, name) => {
     writeFileSync(join(folder, `${name}.json`), JSON.stringify(log));
     assert.match(cocarry("replay", `${name}.json`, "--overwrite", "--record", `${name}.mcap`), /identical: \d+ digests/);
-    return ["/base", "/joints", "/coordination", "/interaction"].map((channel) => rows(cocarry("inspect", `${name}.mcap`, "--csv", channel)));
+    return CHANNELS.map((channel) => rows(cocarry("inspect", `${name}.mcap`, "--csv", channel)));
   };
-  const theirs = ["/base", "/joints", "/coordination", "/interaction"].map((channel) => rows(cocarry("inspect", shipped, "--csv", channel)));
+  const theirs = CHANNELS.map((channel) => rows(cocarry("inspect", shipped, "--csv", channel)));
   const before = JSON.parse(await download(tab, "log"));
   assert.deepEqual([before.steps, before.digests.length, before.decisions], [50, 10, undefined]);
   const ours = recorded(before, "before");
@@ -240,7 +241,7 @@ async function takesOver() {
   assert.ok(log.steps >= 100 && log.decisions, `${log.steps} steps`);
   const after = recorded(log, "after");
   ours.forEach((channel, c) => assert.deepEqual(after[c].slice(0, channel.length), channel, "the same until 10 s"));
-  assert.notDeepEqual(after[2].slice(0, 100), theirs[2].slice(0, 100), "then another one");
+  assert.notDeepEqual(after[1].slice(0, 100), theirs[1].slice(0, 100), "then another one");
   assert.match(cocarry("replay", "after.mcap"), /identical/);
   // from where the recording is another one, the page says so
   const href = await button.getAttribute("href");
@@ -252,6 +253,8 @@ async function takesOver() {
   console.log(`takes over: at 10 s all ${ours.reduce((sum, channel) => sum + channel.length, 0)} messages of the recording, then ${(log.steps * 0.2 - 10).toFixed(0)} s by hand, a link of ${href.length} characters`);
 }
 
+// Tables of the recording that hold the whole state of the team.
+const CHANNELS = ["/joints", "/coordination", "/interaction"];
 const rows = (table) => table.trim().split("\n").slice(1);
 
 // A finger on the map, and a gamepad, move the hand.
@@ -268,14 +271,15 @@ async function handles() {
     const { x, y, width, height } = await tab.locator(selector).first().boundingBox();
     return [x + width / 2, y + height / 2];
   };
-  const [x, y] = await at('#map [data-item="start_m"] .end');
+  const [x, y] = await at("#map circle.end");
   const finger = (type, ...points) => session.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([x, y]) => ({ x, y })) });
   await tab.locator("#play").tap();
   await until(tab, 1);
   assert.deepEqual(await hands(tab), [], "no finger, no target");
   await finger("touchStart", [x, y]);
-  await finger("touchMove", [x + 5, y - 40]);
-  await until(tab, 2.4);
+  // ahead of the team: where the robot holds against it, a hand gives way
+  await finger("touchMove", [x + 60, y + 80]);
+  await until(tab, 4);
   await finger("touchEnd");
   const lifted = await clock(tab);
   await until(tab, lifted + 1);
@@ -296,7 +300,7 @@ async function handles() {
   await held.tab.locator("#play").click();
   await until(held.tab, 0.6);
   assert.deepEqual(await hands(held.tab), [], "a stick at rest");
-  await pad({ axes: [0, -1] });
+  await pad({ axes: [0, 1] });
   await until(held.tab, 1.6);
   await pad({ axes: [0.1, 0.1], button: 1, pressed: true });
   await held.tab.waitForSelector('#resist[aria-pressed="true"]');
@@ -306,20 +310,21 @@ async function handles() {
   await held.tab.waitForSelector('#resist[aria-pressed="false"]');
   await pad({ button: 0, pressed: true });
   await held.tab.waitForSelector('#lead[aria-pressed="true"]');
+  await until(held.tab, (await clock(held.tab)) + 0.6);
   await held.tab.locator("#play").click();
   const pushed = await hands(held.tab);
   assert.ok(pushed.length > 5, `${pushed.length} targets by stick`);
   assert.ok(Math.max(...pushed.map(([step]) => step)) * 0.2 <= rest + 0.2, "a stick that is nearly at rest is at rest");
+  assert.ok(pushed.every(([, [, y]], i) => i === 0 || y < pushed[i - 1][1][1]), "down the map");
   const { decisions: { human } } = JSON.parse(await download(held.tab, "log"));
-  assert.ok(human.some(({ stance }) => /resist/i.test(stance)), "the button holds back");
+  for (const [name, what] of [["Resist", "holds back"], ["TakeOver", "leads"]]) assert.ok(human.some(({ stance }) => stance === name), `a button ${what}`);
   await held.close();
   console.log(`handles: ${places.length} targets by touch, ${pushed.length} by a gamepad's stick; its buttons hold back and lead`);
 }
 
 try {
-  // the last two do not pass yet: they run where they are asked for by name
-  const asked = process.argv[3], checks = asked ? [loads, changes, repeats, carries, takesOver, handles] : [loads, changes, repeats, carries];
-  for (const check of checks.filter(({ name }) => !asked || name === asked)) {
+  const asked = process.argv[3];
+  for (const check of [loads, changes, repeats, carries, takesOver, handles].filter(({ name }) => !asked || name === asked)) {
     const start = Date.now();
     await check();
     console.log(`  (${((Date.now() - start) / 1000).toFixed(0)} s)`);

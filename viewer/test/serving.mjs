@@ -65,9 +65,11 @@ export async function over(tab, timeout = 240e3) {
   return tab.evaluate(() => document.body.dataset.digest);
 }
 
-// Downloads one of the files of the menu; its text.
+// Downloads one of the files of the menu, and closes the menu, which lies over the stage; its text.
 export async function download(tab, kind) {
-  if (!(await tab.locator("#download").evaluate((menu) => menu.open))) await tab.locator("#download summary").click();
+  await tab.locator("#download summary").click();
   const [file] = await Promise.all([tab.waitForEvent("download"), tab.locator(`#download [data-file="${kind}"]`).click()]);
+  await tab.keyboard.press("Escape");
+  await tab.waitForSelector("#download:not([open])");
   return readFile(await file.path(), "utf8");
 }

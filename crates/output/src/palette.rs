@@ -44,6 +44,9 @@ pub fn option_dash(option: usize) -> &'static [f64] {
     DASHES[(option + option / n) % n]
 }
 
+/// The colour of an opening where risk is not shown.
+pub const PLAIN_OPENING: &str = "#cdebd0";
+
 /// The colours of risk at 0, 1/4, ..., 1: viridis, whose lightness falls evenly.
 pub const RISK_COLOURS: [[u8; 3]; 5] =
     [[253, 231, 37], [94, 201, 98], [33, 145, 140], [59, 82, 139], [68, 1, 84]];

@@ -11,7 +11,7 @@ use clap::{Args, ValueEnum};
 use cocarry::episode::{Outcome, Settings};
 use cocarry::policy::Method;
 use cocarry::preference::Belief;
-use cocarry::scenario::{GivenPerception, Plant, PreparedScenario, Scenario};
+use cocarry::scenario::{GivenPerception, Plant, PreparedScenario, SETTINGS, Scenario, Setting};
 use cocarry_output::drawing::{Letters, Shown, Stimulus};
 use cocarry_recording::recording::{Ending, Playback, Reader, Recorder};
 use cocarry_recording::rendering;
@@ -42,8 +42,8 @@ pub(super) struct StimuliArguments {
     /// Width of the pictures, px
     #[arg(long, value_name = "PX", default_value_t = 800, value_parser = clap::value_parser!(u32).range(300..=4000))]
     width: u32,
-    /// Also write WORLD-option-N.gif and .html for every option: the robot leads on it from A to B, in real time,
-    /// seen from above and in three dimensions
+    /// Also write WORLD-option-N.gif and .html for every option: the robot leads on it from A to B, in real
+    /// time, seen from above and in three dimensions
     #[arg(long)]
     episodes: bool,
     #[command(flatten)]
@@ -96,7 +96,17 @@ struct Shot<'a> {
 const EPISODE_KINDS: [&str; 2] = ["gif", "html"];
 const TABLE: &str = "stimuli.csv";
 
+/// What the command sets itself, for one option after the other.
+const PRESCRIBED: [&str; 2] = ["method", "lead_option"];
+
 pub(super) fn run_stimuli(arguments: &StimuliArguments) -> Result<ExitCode, Failure> {
+    let given = |setting: &&Setting| arguments.settings.given(setting).is_some();
+    if let Some(setting) = SETTINGS.iter().filter(|s| PRESCRIBED.contains(&s.key)).find(given) {
+        return Err(input(anyhow!(
+            "--{}: the robot leads on each option in turn; leave it out",
+            setting.flag
+        )));
+    }
     let plant = arguments.robot.plant(&arguments.settings)?;
     let table = csv::Writer::from_writer(Vec::new());
     let mut stimuli = Stimuli { arguments, plant, files: Vec::new(), table };

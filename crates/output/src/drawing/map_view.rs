@@ -1,9 +1,10 @@
 //! The view of a world in a picture: its frame and scale, axes, obstacles, openings, start and target.
 
 use super::kit::{
-    Align, INK, Letters, OBSTACLE, OBSTACLE_EDGE, PAPER, PLAIN_OPENING, Plot, TITLE_SIZE, Text, area, disc,
-    polygon, printable, rectangle, risk_colour, stroke,
+    Align, INK, Letters, OBSTACLE, OBSTACLE_EDGE, PAPER, Plot, TITLE_SIZE, Text, area, disc, polygon,
+    printable, rectangle, risk_colour, stroke,
 };
+use crate::palette::PLAIN_OPENING;
 use cocarry::geometry::{Bounds, Footprint, Point, Vector, direction};
 use cocarry::world::{Obstacle, World};
 use svg::node::element::{Group, Title};

@@ -10,6 +10,7 @@ use cocarry::quantities::{COORDINATION, COST, INTERACTION, Kind, Quantity};
 use cocarry::robot::Robot;
 use cocarry_output::drawing::Shown;
 use cocarry_output::figure;
+use cocarry_output::palette::PLAIN_OPENING;
 use cocarry_output::player::{self, Meshes, pose, read_mesh, shapes};
 use serde_json::{Value, json};
 
@@ -60,7 +61,7 @@ pub fn stimulus_page(playback: &Playback, title: &str, shown: Shown) -> Result<S
     };
     let openings = entries(&mut page["world"]["openings"], shown.openings).into_iter();
     let named =
-        |opening: Value| json!({ "name": opening["name"], "ends": opening["ends"], "colour": UNRATED });
+        |opening: Value| json!({ "name": opening["name"], "ends": opening["ends"], "colour": PLAIN_OPENING });
     page["world"]["openings"] = openings.map(named).collect();
     let options = entries(&mut page["options"], shown.options).into_iter();
     // all are as wide
@@ -72,8 +73,7 @@ pub fn stimulus_page(playback: &Playback, title: &str, shown: Shown) -> Result<S
     Ok(filled(&page))
 }
 
-/// The colour of an opening without its risk, and the P_o as which options are drawn without theirs.
-const UNRATED: &str = "#cdebd0";
+/// The P_o as which options are drawn without theirs.
 const EQUAL_WIDTH: f64 = 0.25;
 
 /// The page with what it shows.

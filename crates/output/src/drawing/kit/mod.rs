@@ -24,8 +24,8 @@ pub use letters::Letters;
 pub(super) use marks::{Shape, mark, mean_bar, place};
 pub use palette::dark_rules;
 pub(super) use palette::{
-    BAND, FAINT, FAINT_WIDTH, GRID, INK, LineStyle, OBSTACLE, OBSTACLE_EDGE, PAPER, PLAIN_OPENING, STRIPE,
-    risk_colour, width_by_rank, widths_by_probability,
+    BAND, FAINT, FAINT_WIDTH, GRID, INK, LineStyle, OBSTACLE, OBSTACLE_EDGE, PAPER, STRIPE, risk_colour,
+    width_by_rank, widths_by_probability,
 };
 pub(super) use shapes::{area, disc, path_data, polygon, px, rectangle, rounded, stroke};
 pub(super) use strips::Strips;

@@ -1,7 +1,7 @@
 //! Line styles and widths of pictures, in the colours of [`palette`].
 
 use super::{px, stroke};
-use crate::palette;
+use crate::palette::{self, PLAIN_OPENING};
 use cocarry::geometry::Point;
 use svg::node::element::Group;
 
@@ -13,10 +13,9 @@ pub(in super::super) const STRIPE: &str = "#f3f3f3";
 pub(in super::super) const BAND: &str = "#e6e6e6";
 pub(in super::super) const GRID: &str = "#d6d6d6";
 pub(in super::super) const FAINT: &str = "#8a8a8a";
-/// Obstacles and their outlines, and openings where risk is not shown.
+/// Obstacles and their outlines.
 pub(in super::super) const OBSTACLE: &str = "#a6a6a6";
 pub(in super::super) const OBSTACLE_EDGE: &str = "#595959";
-pub(in super::super) const PLAIN_OPENING: &str = "#cdebd0";
 /// These colours on dark paper: attribute, colour, colour there. White edges of coloured lines and marks
 /// become light ones, so that dark colours stay visible; the colours of options and of risk stay.
 const ON_DARK: [(&str, &str, &str); 13] = [
