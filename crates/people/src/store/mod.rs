@@ -4,6 +4,14 @@
 //! (`synchronous = FULL`). A chunk has a key, (session, trial, number): the same one again changes nothing, and another
 //! one with its key is refused. No network address is stored.
 
+mod error;
+mod forget;
+#[cfg(test)]
+mod tests;
+
+pub use error::{Refusal, StoreError};
+pub use forget::Forgotten;
+
 use crate::digest::{is_digest, keyed, sha256};
 use crate::study::is_word;
 use rusqlite::{Connection, OptionalExtension, TransactionBehavior, params};
@@ -44,62 +52,6 @@ const MIGRATIONS: [&str; 1] = ["
         body TEXT NOT NULL, UNIQUE (participant, trial, number)
     ) STRICT;
 "];
-
-/// Why the store does not do what is asked.
-#[derive(Debug, thiserror::Error)]
-pub enum StoreError {
-    /// The request is refused; the store is as before.
-    #[error(transparent)]
-    Refused(#[from] Refusal),
-    /// The file cannot be read or written.
-    #[error("{file}: cannot be read or written")]
-    Database {
-        /// The file.
-        file: PathBuf,
-        /// The cause.
-        source: rusqlite::Error,
-    },
-    /// The file is not one of this program, or cannot be used.
-    #[error("{file}: {sentence}")]
-    File {
-        /// The file.
-        file: PathBuf,
-        /// What is wrong, and what would be right.
-        sentence: String,
-    },
-}
-
-/// A request that is refused.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Refusal {
-    /// A key, a digest, a number or a name has not the form that it must have.
-    #[error("{0}")]
-    Form(&'static str),
-    /// No session has this key.
-    #[error("this session is not known, or was removed")]
-    Unknown,
-    /// The body is not the one of the digest.
-    #[error("the body does not have this digest: it was damaged on its way")]
-    Damaged,
-    /// Another chunk has this key.
-    #[error("another chunk with this number is stored already")]
-    OtherChunk,
-    /// The session has ended.
-    #[error("the session is finished; nothing can be added")]
-    Finished,
-    /// The session is too large.
-    #[error("a session has at most 32 MiB and 20000 chunks")]
-    TooMuch,
-    /// As many participants as the study has have begun.
-    #[error("the study has all its participants")]
-    Full,
-    /// The person has begun before, with another key.
-    #[error("you have begun this study already, in another browser or window; go on there")]
-    BegunBefore,
-    /// What the session has is not what the digest says.
-    #[error("not everything has arrived")]
-    NotWhole,
-}
 
 /// A request for a session.
 #[derive(Clone, Debug)]
@@ -162,19 +114,6 @@ pub struct StoredSession {
     pub finished: Option<String>,
     /// The records of each trial, in the order in which they were made.
     pub records: Vec<(u32, Vec<Map<String, Value>>)>,
-}
-
-/// What was removed of a person.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Forgotten {
-    /// The pseudonym.
-    pub participant: String,
-    /// The number of chunks.
-    pub chunks: u64,
-    /// The number of identities of a platform.
-    pub platform_ids: u64,
-    /// The number of bytes that were searched for what identified the person, and do not have it.
-    pub searched_bytes: u64,
 }
 
 /// The store of a study.
@@ -472,103 +411,6 @@ impl Store {
         Ok(sessions)
     }
 
-    /// The pseudonyms that `id` stands for: itself, or those of this identity of a platform.
-    fn participants_of(&self, id: &str) -> rusqlite::Result<Vec<String>> {
-        let mut statement = self.connection.prepare(
-            "SELECT participant FROM sessions WHERE participant = ?1
-             UNION SELECT participant FROM platform_ids WHERE value = ?1 ORDER BY participant",
-        )?;
-        statement.query_map([id], |row| row.get(0))?.collect()
-    }
-
-    /// Removes a person, given by pseudonym or by an identity of a platform, with all that they answered. Afterwards the
-    /// files of the store are searched for what identified the person.
-    ///
-    /// # Errors
-    /// Nobody or more than one is known by this name; the file cannot be written, or still has a trace.
-    pub fn forget(&mut self, id: &str) -> Result<Forgotten, StoreError> {
-        let file = self.file.clone();
-        let failed = |source| StoreError::Database { file: file.clone(), source };
-        let refused = |sentence: String| StoreError::File { file: file.clone(), sentence };
-        let participants = self.participants_of(id).map_err(failed)?;
-        let participant = match participants.as_slice() {
-            [one] => one.clone(),
-            [] => {
-                return Err(refused(format!(
-                    "nobody is known as `{id}`; give the number of a participant, or the identity of a platform"
-                )));
-            }
-            many => {
-                let sentence = format!(
-                    "`{id}` stands for {} people; give the number of one: {}",
-                    many.len(),
-                    many.join(", ")
-                );
-                return Err(refused(sentence));
-            }
-        };
-        let traces = self.traces(&participant).map_err(failed)?;
-        let begun = self.connection.transaction_with_behavior(TransactionBehavior::Immediate);
-        let transaction = begun.map_err(failed)?;
-        let remove = |table: &str| {
-            transaction.execute(&format!("DELETE FROM {table} WHERE participant = ?1"), [&participant])
-        };
-        let chunks = remove("chunks").map_err(failed)?;
-        let platform_ids = remove("platform_ids").map_err(failed)?;
-        remove("sessions").map_err(failed)?;
-        transaction.commit().map_err(failed)?;
-        // no old page stays, neither in the file nor in its log
-        let sweep = "PRAGMA wal_checkpoint(TRUNCATE); VACUUM; PRAGMA wal_checkpoint(TRUNCATE);";
-        self.connection.execute_batch(sweep).map_err(failed)?;
-        let searched_bytes = self.search(&traces)?;
-        Ok(Forgotten {
-            participant,
-            chunks: chunks as u64,
-            platform_ids: platform_ids as u64,
-            searched_bytes,
-        })
-    }
-
-    /// What identifies a person in the files: pseudonym, digest of the key, identities of a platform.
-    fn traces(&self, participant: &str) -> rusqlite::Result<Vec<String>> {
-        let of_key = "SELECT key_sha256 FROM sessions WHERE participant = ?1";
-        let key: String = self.connection.query_row(of_key, [participant], |row| row.get(0))?;
-        // identities that several people share, such as the platform's name of the study, identify nobody
-        let mut statement = self.connection.prepare(
-            "SELECT value FROM platform_ids AS own WHERE participant = ?1 AND NOT EXISTS
-             (SELECT 1 FROM platform_ids WHERE value = own.value AND participant <> ?1)",
-        )?;
-        let values = statement.query_map([participant], |row| row.get(0))?;
-        let mut traces = values.collect::<rusqlite::Result<Vec<String>>>()?;
-        traces.extend([participant.to_owned(), key]);
-        Ok(traces)
-    }
-
-    /// The number of bytes of the store's files, none of which is of a trace.
-    fn search(&self, traces: &[String]) -> Result<u64, StoreError> {
-        let mut searched = 0;
-        for extension in ["", "-wal"] {
-            let mut file = self.file.clone().into_os_string();
-            file.push(extension);
-            let file = PathBuf::from(file);
-            let bytes = match std::fs::read(&file) {
-                Ok(bytes) => bytes,
-                Err(error) if error.kind() == std::io::ErrorKind::NotFound => continue,
-                Err(error) => {
-                    return Err(StoreError::File { file, sentence: format!("cannot be searched: {error}") });
-                }
-            };
-            let has = |trace: &&String| bytes.windows(trace.len()).any(|part| part == trace.as_bytes());
-            if traces.iter().find(has).is_some() {
-                let sentence =
-                    "the rows are removed, but the file still has a trace; stop the server and try again";
-                return Err(StoreError::File { file, sentence: sentence.to_owned() });
-            }
-            searched += bytes.len() as u64;
-        }
-        Ok(searched)
-    }
-
     /// The faults that SQLite finds in the file; none in a sound one.
     ///
     /// # Errors
@@ -628,143 +470,4 @@ pub(crate) fn whole_digest(chunks: &[(u32, u32, String)]) -> String {
 /// A count of the database.
 fn unsigned(count: i64) -> u64 {
     u64::try_from(count).unwrap_or(0)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn key(n: u8) -> String {
-        sha256(&[n])
-    }
-
-    fn begin<'a>(key: &'a str, platform_ids: &'a [(String, String)]) -> Begin<'a> {
-        Begin { key, platform_ids, study: "study", participants: 3, now: 1_795_723_500 }
-    }
-
-    fn refusal<T>(result: Result<T, StoreError>) -> Refusal {
-        match result {
-            Err(StoreError::Refused(refusal)) => refusal,
-            Err(other) => panic!("{other}"),
-            Ok(_) => panic!("it is not refused"),
-        }
-    }
-
-    fn put(store: &mut Store, key: &str, [trial, number]: [u32; 2], body: &str) -> Result<Put, StoreError> {
-        store.put(key, &Chunk { trial, number, sha256: &sha256(body.as_bytes()), body }, 5)
-    }
-
-    #[test]
-    fn a_session_begins_once_and_numbers_are_allotted_in_order() {
-        let folder = tempfile::tempdir().unwrap();
-        let mut store = Store::open(&folder.path().join("s.sqlite")).unwrap();
-        let first = store.begin(&begin(&key(1), &[])).unwrap();
-        assert_eq!(store.begin(&begin(&key(1), &[])).unwrap(), first);
-        assert_eq!(first.place, 0);
-        let anna = [("PID".to_owned(), "anna".to_owned())];
-        let second = store.begin(&begin(&key(2), &anna)).unwrap();
-        assert_eq!(second.place, 1);
-        // the same person with another key
-        assert_eq!(refusal(store.begin(&begin(&key(3), &anna))), Refusal::BegunBefore);
-        assert_eq!(store.begin(&begin(&key(3), &[])).unwrap().place, 2);
-        assert_eq!(refusal(store.begin(&begin(&key(4), &[]))), Refusal::Full);
-        assert!(matches!(refusal(store.begin(&begin("short", &[]))), Refusal::Form(_)));
-        let script = [("PID".to_owned(), "<script>".to_owned())];
-        assert!(matches!(refusal(store.begin(&begin(&key(4), &script))), Refusal::Form(_)));
-        assert_eq!(store.counts().unwrap(), [3, 0]);
-    }
-
-    #[test]
-    fn a_chunk_is_stored_once_and_another_with_its_number_is_refused() {
-        let folder = tempfile::tempdir().unwrap();
-        let mut store = Store::open(&folder.path().join("s.sqlite")).unwrap();
-        store.begin(&begin(&key(1), &[])).unwrap();
-        let body = r#"[{"kind":"done"}]"#;
-        assert_eq!(put(&mut store, &key(1), [0, 0], body).unwrap(), Put::Stored);
-        assert_eq!(put(&mut store, &key(1), [0, 0], body).unwrap(), Put::Known);
-        assert_eq!(refusal(put(&mut store, &key(1), [0, 0], "[]")), Refusal::OtherChunk);
-        assert_eq!(refusal(put(&mut store, &key(2), [0, 0], body)), Refusal::Unknown);
-        assert!(matches!(refusal(put(&mut store, &key(1), [0, 1], "{}")), Refusal::Form(_)));
-        let damaged = Chunk { trial: 0, number: 1, sha256: &sha256(b"other"), body };
-        assert_eq!(refusal(store.put(&key(1), &damaged, 5)), Refusal::Damaged);
-        let long = format!("[{}]", " ".repeat(MAX_CHUNK_BYTES));
-        assert_eq!(refusal(put(&mut store, &key(1), [0, 1], &long)), Refusal::TooMuch);
-        let chunks = store.chunks(&key(1)).unwrap();
-        assert_eq!(chunks, [(0, 0, sha256(body.as_bytes()))]);
-    }
-
-    #[test]
-    fn the_code_is_given_for_the_digest_of_everything_alone() {
-        let folder = tempfile::tempdir().unwrap();
-        let mut store = Store::open(&folder.path().join("s.sqlite")).unwrap();
-        let key = key(1);
-        store.begin(&begin(&key, &[])).unwrap();
-        assert_eq!(refusal(store.finish(&key, &whole_digest(&[]), None, 6)), Refusal::NotWhole);
-        put(&mut store, &key, [1, 0], "[]").unwrap();
-        put(&mut store, &key, [0, 0], "[]").unwrap();
-        let lines = format!("0 0 {0}\n1 0 {0}\n", sha256(b"[]"));
-        let digest = sha256(lines.as_bytes());
-        assert_eq!(refusal(store.finish(&key, &sha256(b"x"), None, 6)), Refusal::NotWhole);
-        let code = store.finish(&key, &digest, None, 6).unwrap();
-        assert_eq!(code.len(), 8);
-        assert_eq!(store.finish(&key, &digest, None, 7).unwrap(), code);
-        assert_eq!(store.finish(&key, &digest, Some("ALL"), 7).unwrap(), "ALL");
-        assert_eq!(refusal(put(&mut store, &key, [2, 0], "[]")), Refusal::Finished);
-        assert_eq!(put(&mut store, &key, [1, 0], "[]").unwrap(), Put::Known);
-        let session = &store.sessions().unwrap()[0];
-        assert_eq!(session.begun, "2026-11-26T20:05:00Z");
-        assert_eq!(session.finished.as_deref(), Some("1970-01-01T00:00:06Z"));
-    }
-
-    #[test]
-    fn nothing_of_a_forgotten_person_is_in_the_files_and_the_others_stay() {
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("s.sqlite");
-        let mut store = Store::open(&file).unwrap();
-        let anna =
-            [("PID".to_owned(), "annasidentity".to_owned()), ("STUDY".to_owned(), "shared".to_owned())];
-        let ben = [("PID".to_owned(), "bensidentity".to_owned()), ("STUDY".to_owned(), "shared".to_owned())];
-        let participant = store.begin(&begin(&key(1), &anna)).unwrap().participant;
-        store.begin(&begin(&key(2), &ben)).unwrap();
-        for n in 0..40 {
-            put(&mut store, &key(1), [n, 0], r#"[{"secretword":1}]"#).unwrap();
-            put(&mut store, &key(2), [n, 0], "[]").unwrap();
-        }
-        let bytes = || {
-            let mut bytes = std::fs::read(&file).unwrap();
-            bytes.extend(std::fs::read(folder.path().join("s.sqlite-wal")).unwrap_or_default());
-            bytes
-        };
-        let has = |text: &str| bytes().windows(text.len()).any(|part| part == text.as_bytes());
-        assert!(has("annasidentity") && has(&participant) && has("secretword"));
-        assert!(store.forget("shared").unwrap_err().to_string().contains("stands for 2 people"));
-        assert!(store.forget("clara").unwrap_err().to_string().contains("nobody is known as `clara`"));
-        let forgotten = store.forget("annasidentity").unwrap();
-        assert_eq!((forgotten.chunks, forgotten.platform_ids, &forgotten.participant), (40, 2, &participant));
-        assert!(
-            !has("annasidentity")
-                && !has(&participant)
-                && !has("secretword")
-                && !has(&sha256(key(1).as_bytes()))
-        );
-        assert!(has("bensidentity") && store.faults().unwrap().is_empty());
-        assert_eq!(store.chunks(&key(2)).unwrap().len(), 40);
-        assert_eq!(refusal(store.chunks(&key(1))), Refusal::Unknown);
-    }
-
-    #[test]
-    fn a_store_of_a_newer_program_and_a_file_of_others_are_refused() {
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("s.sqlite");
-        assert!(Store::open_existing(&file).is_err());
-        Store::open(&file).unwrap().connection.pragma_update(None, "user_version", 9).unwrap();
-        let Err(error) = Store::open(&file) else { panic!("it is opened") };
-        assert!(error.to_string().contains("version 9"), "{error}");
-        std::fs::write(
-            folder.path().join("text.sqlite"),
-            "not a database, but long enough to be one".repeat(100),
-        )
-        .unwrap();
-        assert!(Store::open(&folder.path().join("text.sqlite")).is_err());
-    }
 }
