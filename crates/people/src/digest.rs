@@ -1,6 +1,5 @@
 //! SHA-256 digests and keyed pseudonyms, as hexadecimal text.
 
-use hmac::{Hmac, KeyInit, Mac};
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
 
@@ -21,11 +20,13 @@ pub(crate) fn sha256(bytes: &[u8]) -> String {
     hex(&Sha256::digest(bytes))
 }
 
-/// The HMAC-SHA-256 of `text` by a secret.
+/// The HMAC-SHA-256 (RFC 2104) of `text` by a secret of at most a block.
 pub(crate) fn keyed(secret: &[u8], text: &str) -> String {
-    let mut mac = Hmac::<Sha256>::new_from_slice(secret).expect("a key of any length is valid");
-    mac.update(text.as_bytes());
-    hex(&mac.finalize().into_bytes())
+    const BLOCK: usize = 64;
+    let padded =
+        |pad: u8| (0..BLOCK).map(|at| secret.get(at).copied().unwrap_or(0) ^ pad).collect::<Vec<u8>>();
+    let inner = Sha256::new().chain_update(padded(0x36)).chain_update(text).finalize();
+    hex(&Sha256::new().chain_update(padded(0x5c)).chain_update(inner).finalize())
 }
 
 /// Whether a text has the form of a digest.

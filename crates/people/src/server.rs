@@ -104,27 +104,34 @@ fn router(app: Arc<App>) -> Router {
 
 /// Refuses requests by other hosts' names (DNS rebinding) and those of other pages, and adds the headers of all answers.
 async fn guard(State(app): State<Arc<App>>, request: Request, next: Next) -> Response {
-    let header = |name: HeaderName| {
-        let mut values = request.headers().get_all(name).iter();
-        // of two, nobody knows which one holds
-        let value = values.next().and_then(|value| value.to_str().ok()).map(str::to_owned);
-        value.filter(|_| values.next().is_none())
-    };
-    let host = header(HOST).filter(|host| app.hosts.contains(host));
-    let own = |origin: &str| {
-        let of_origin = origin.strip_prefix("http://").or_else(|| origin.strip_prefix("https://"));
-        host.as_deref() == of_origin
-    };
-    let is_own = !request.headers().contains_key(ORIGIN) || header(ORIGIN).is_some_and(|origin| own(&origin));
-    let mut response = match (&host, is_own) {
-        (None, _) => sentence(StatusCode::FORBIDDEN, "host", "the study is not served by this name"),
-        (_, false) => sentence(StatusCode::FORBIDDEN, "origin", "only pages of this server may ask"),
-        _ => next.run(request).await,
+    let mut response = match foreign(&app, request.headers()) {
+        Some(refused) => refused,
+        None => next.run(request).await,
     };
     for (name, value) in HEADERS {
         response.headers_mut().insert(HeaderName::from_static(name), HeaderValue::from_static(value));
     }
     response
+}
+
+/// The answer to a request that is not of this server's own pages.
+fn foreign(app: &App, headers: &HeaderMap) -> Option<Response> {
+    let header = |name: HeaderName| {
+        let mut values = headers.get_all(name).iter();
+        let value = values.next().and_then(|value| value.to_str().ok());
+        // of two, nobody knows which one holds
+        value.filter(|_| values.next().is_none())
+    };
+    let host = header(HOST).filter(|host| app.hosts.iter().any(|own| own == host));
+    let Some(host) = host else {
+        return Some(sentence(StatusCode::FORBIDDEN, "host", "the study is not served by this name"));
+    };
+    let of_origin = |origin: &str| {
+        let origin = origin.strip_prefix("http://").or_else(|| origin.strip_prefix("https://"));
+        origin == Some(host)
+    };
+    let is_own = !headers.contains_key(ORIGIN) || header(ORIGIN).is_some_and(of_origin);
+    (!is_own).then(|| sentence(StatusCode::FORBIDDEN, "origin", "only pages of this server may ask"))
 }
 
 async fn file(State(app): State<Arc<App>>, method: Method, uri: Uri) -> Response {

@@ -114,12 +114,6 @@ impl LedWalk {
             frames: (0..=steps * FRAMES_PER_STEP).map(frame).collect(),
         })
     }
-
-    /// The planning step at a time (ms) after the beginning, at most the last one.
-    pub fn step_at(&self, ms: f64) -> u64 {
-        // a press has at least the step in which the walk begins
-        ((ms / self.step_ms).max(0.0) as u64).min(self.steps.saturating_sub(1))
-    }
 }
 
 fn pair(point: Point) -> [f64; 2] {
@@ -154,10 +148,6 @@ mod tests {
                 let off = cocarry::math::hypot(walk.frames[0][0] - x, walk.frames[0][1] - y);
                 assert!(off < 0.3 * shots.scale_px, "{off} px");
                 assert_eq!(walk.frames.len() as u64, 4 * walk.steps + 1);
-                assert_eq!(
-                    [walk.step_at(0.0), walk.step_at(399.9), walk.step_at(1e9)],
-                    [0, 1, walk.steps - 1]
-                );
             }
         }
     }
