@@ -326,7 +326,7 @@ function collected(number) {
 // A narrow screen; killed tabs and servers at any time; then the person is forgotten.
 async function killedOften() {
   const context = await participant({ width: 390, height: 800 });
-  const query = "?PROLIFIC_PID=abc123def456&STUDY_ID=all";
+  const query = "?PROLIFIC_PID=abc123def456&STUDY_ID=study1234567";
   let tab = await opened(context, query), kills = 0, closed = 0;
   const seen = new Set();
   tab = await goThrough(tab, async (number, title) => {

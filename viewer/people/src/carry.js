@@ -70,7 +70,7 @@ export const CarryAlong = plugin("carry", async (display, trial) => {
   bodies.update(core);
   // the one in which pointers count
   const stage = make("div", { class: "stage carried", id: "map" }, map, picture);
-  const says = make("p", { role: "status" }, "You are the person in orange. Arrow keys, or the mouse held down, move your hand; T takes the lead, and gives it back; R, held, resists.");
+  const says = make("p", { role: "status" }, "You are the person in blue. Arrow keys, or the mouse held down, move your hand; T takes the lead, and gives it back; R, held, resists.");
   const button = make("button", { type: "button" }, "Start");
   const lead = make("button", { type: "button", class: "quiet", hidden: true, "aria-pressed": "false" }, "Take the lead (T)");
   show(display, "Carry along", ...practice(trial), stage, says, make("p", {}, button, " ", lead));

@@ -17,6 +17,9 @@ pub struct Forgotten {
     pub searched_bytes: u64,
 }
 
+/// The shortest identity that is searched for, bytes.
+const MIN_SEARCHED: usize = 8;
+
 impl Store {
     /// The pseudonyms that `id` stands for: itself, or those of this identity of a platform.
     fn participants_of(&self, id: &str) -> rusqlite::Result<Vec<String>> {
@@ -79,13 +82,15 @@ impl Store {
     fn traces(&self, participant: &str) -> rusqlite::Result<Vec<String>> {
         let of_key = "SELECT key_sha256 FROM sessions WHERE participant = ?1";
         let key: String = self.connection.query_row(of_key, [participant], |row| row.get(0))?;
-        // identities that several people share, such as the platform's name of the study, identify nobody
+        // an identity that several people share, such as the platform's name of the study, identifies nobody, and a shorter
+        // one is found by chance
         let mut statement = self.connection.prepare(
             "SELECT value FROM platform_ids AS own WHERE participant = ?1 AND NOT EXISTS
              (SELECT 1 FROM platform_ids WHERE value = own.value AND participant <> ?1)",
         )?;
         let values = statement.query_map([participant], |row| row.get(0))?;
         let mut traces = values.collect::<rusqlite::Result<Vec<String>>>()?;
+        traces.retain(|value| value.len() >= MIN_SEARCHED);
         traces.extend([participant.to_owned(), key]);
         Ok(traces)
     }
