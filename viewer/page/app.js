@@ -29,7 +29,7 @@ const isStill = matchMedia("(prefers-reduced-motion: reduce)").matches;
 
 export class App {
   constructor({ module, catalogue, choices, view }) {
-    Object.assign(this, { module, catalogue, choices, asked: view, fragment: "", robots: new Map(), showsMap: false });
+    Object.assign(this, { module, catalogue, choices, asked: view, fragment: "", robots: new Map(), showsMap: false, isLost: false });
     this.setup = new Setup(choices, catalogue);
     this.meters = new Meters({ force: $("force-meter"), phi: $("phi-meter"), choice: $("choice") });
     this.plane = new Plane($("plane"), (values) => choices.change(values));

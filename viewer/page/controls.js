@@ -203,8 +203,10 @@ export class Controls {
   tab(name) {
     $("player").dataset.tab = name;
     document.querySelectorAll("#tabs button").forEach((button) => press(button, button.dataset.tab === name));
-    this.app.charts?.layout();
     this.app.plane.layout();
+    // charts that were hidden have no cursor yet
+    this.app.charts.layout();
+    this.app.shown.update();
   }
 
   rates() {

@@ -42,6 +42,8 @@ export class WorldMap {
     const [w, h] = ends.map(([low, high]) => high - low);
     // on a narrow stage the controls have two rows
     const rows = width < NARROW_PX ? ROW_PX : 0, side = MARGIN.side, top = MARGIN.top + rows, bottom = MARGIN.bottom + rows;
+    // below, there are a caption and buttons
+    this.lowest = height - bottom;
     this.scale = Math.min((width - 2 * side) / w, (height - top - bottom) / h);
     this.origin = [width / 2 - (this.scale * (ends[0][0] + ends[0][1])) / 2, (height + top - bottom) / 2 + (this.scale * (ends[1][0] + ends[1][1])) / 2];
     this.svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
@@ -116,7 +118,7 @@ export class WorldMap {
 
   #labels(world, options) {
     this.folder.replaceChildren();
-    const { clientWidth: width, clientHeight: height } = this.svg;
+    const { clientWidth: width } = this.svg;
     const taken = [...this.covered(), ...[world.start, world.target].map(this.at).map(([x, y]) => [x - 14, y - 14, x + 14, y + 14])];
     const put = (html, kind, at, style) => {
       const label = document.createElement("div");
@@ -127,7 +129,7 @@ export class WorldMap {
       const [w, h] = [label.offsetWidth, label.offsetHeight], [x, y] = this.at(at);
       const places = [[0, -1.1 * h], [0, 1.1 * h], [0.6 * w, -h], [-0.6 * w, -h], [0.6 * w, h], [-0.6 * w, h], [0, 0]];
       const boxes = places.map(([dx, dy]) => [x + dx - w / 2, y + dy - h / 2, x + dx + w / 2, y + dy + h / 2]);
-      const box = boxes.find((b) => b[0] > 0 && b[1] > 40 && b[2] < width && b[3] < height && !taken.some((t) => t[0] < b[2] && b[0] < t[2] && t[1] < b[3] && b[1] < t[3]));
+      const box = boxes.find((b) => b[0] > 0 && b[1] > 40 && b[2] < width && b[3] < this.lowest && !taken.some((t) => t[0] < b[2] && b[0] < t[2] && t[1] < b[3] && b[1] < t[3]));
       label.style.visibility = box ? "visible" : "hidden";
       if (!box) return;
       label.style.transform = `translate(${box[0].toFixed(1)}px, ${box[1].toFixed(1)}px)`;

@@ -25,7 +25,7 @@ export class Meters {
       this.force.fill(force / FULL_N);
       this.force.box.classList.toggle("over", Math.max(force, hand) > HEAVY_N);
       this.force.say(`${force.toFixed(0)} N`);
-    } else this.force.say(episode.isFelt ? "–" : "none here");
+    } else this.force.say(episode.isFelt ? "–" : "none");
     const phi = episode.figure("stubbornness", step);
     this.phi.fill((phi ?? 0) / 1.25);
     this.phi.box.classList.toggle("over", phi > 1);

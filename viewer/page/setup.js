@@ -4,7 +4,7 @@ import { OWN_PERIOD_S, SLIDERS } from "./choices.js";
 
 const $ = (id) => document.getElementById(id);
 // Words for names of the program, where the program's own words are long.
-const PLANTS = { rapier: "forces and contacts", kinematic: "exact motion, no forces", point: "planning only: a point" };
+const PLANTS = { rapier: "forces and contacts", kinematic: "without forces", point: "planning only: a point" };
 const TITLES = { "free-form": "Free-form workshop" };
 
 export class Setup {

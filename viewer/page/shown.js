@@ -6,6 +6,8 @@ const $ = (id) => document.getElementById(id);
 const GROW_MS = 450;
 // How near the team is to B when the plane stays as it was, m.
 const LAST_CHOICE_M = 1;
+// By how much the share of an option changes until the plane, which takes longer than a picture, is drawn anew.
+const SMALLEST_SHARE = 0.01;
 
 export class Shown {
   constructor(app) {
@@ -49,7 +51,12 @@ export class Shown {
     // the plane goes with the team: what people would choose from here. At B there is nothing left to choose
     const isThere = core.value("path_length") - core.value("along") < LAST_CHOICE_M;
     const step = episode.count - 1, options = episode.options.map((option) => ({ ...option, probability: option.probability[step] }));
-    if (!isThere && episode.isRunning) app.plane.show(core.regions(), options, app.person());
+    const shares = options.map(({ probability }) => probability ?? 0);
+    const isSeen = this.seen?.episode === episode && shares.every((share, o) => Math.abs(share - this.seen.shares[o]) < SMALLEST_SHARE);
+    if (!isThere && !isSeen && episode.isRunning) {
+      this.seen = { episode, shares };
+      app.plane.show(core.regions(), options, app.person());
+    }
     if (app.choices.now.belief === "learn") app.plane.believe(core.summary().learned);
   }
 

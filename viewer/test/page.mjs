@@ -230,12 +230,14 @@ async function takesOver() {
     assert.ok(channel.length >= 50, `${channel.length} rows`);
     assert.deepEqual(theirs[c].slice(0, channel.length), channel);
   });
-  // ten more seconds, with the hand elsewhere
-  await tab.locator("#speed").selectOption("8");
+  // ten more seconds, with the hand elsewhere in the first
+  const until = (time) => tab.waitForFunction((time) => Number.parseFloat(document.getElementById("clock").textContent) >= time, time, { timeout: 120e3 });
   await tab.locator("#play").click();
   await tab.keyboard.down("w");
-  await tab.waitForFunction(() => Number.parseFloat(document.getElementById("clock").textContent) >= 20, null, { timeout: 120e3 });
+  await until(11);
   await tab.keyboard.up("w");
+  await tab.locator("#speed").selectOption("8");
+  await until(20);
   await tab.locator("#play").click();
   const log = JSON.parse(await download(tab, "log"));
   assert.ok(log.steps >= 100 && log.decisions, `${log.steps} steps`);

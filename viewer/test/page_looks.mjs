@@ -50,13 +50,14 @@ async function keyboard(tab, name) {
 async function fits(tab, name) {
   assert.ok(await tab.evaluate(() => document.documentElement.scrollWidth <= innerWidth), `${name}: nothing is wider than the screen`);
   const covered = await tab.evaluate(() => {
-    const shown = [...document.querySelectorAll("#cameras button, #tools button, #carry button, #leader, #transport button, #transport select, header button, header summary")].filter((e) => e.checkVisibility());
+    const shown = [...document.querySelectorAll("#cameras button, #tools button, #carry button, #leader, #caption, #transport button, #transport select, header button, header summary, #warning button")].filter((e) => e.checkVisibility());
     const boxes = shown.map((e) => [e, e.getBoundingClientRect()]);
     const faults = [];
     boxes.forEach(([a, p], i) => boxes.slice(0, i).forEach(([b, q]) => {
       if (p.left < q.right - 1 && q.left < p.right - 1 && p.top < q.bottom - 1 && q.top < p.bottom - 1) faults.push(`${a.id || a.textContent} over ${b.id || b.textContent}`);
     }));
-    for (const [e] of boxes) if (e.scrollWidth > e.clientWidth + 1) faults.push(`${e.id || e.textContent} is cut`);
+    for (const [e] of boxes) if (e.scrollWidth > e.clientWidth + 1 || e.clientHeight > 60) faults.push(`${e.id || e.textContent} is cut`);
+    for (const e of document.querySelectorAll(".meter .name")) if (e.scrollWidth > e.clientWidth) faults.push(`${e.textContent} is cut`);
     return faults;
   });
   assert.deepEqual(covered, [], name);
@@ -148,7 +149,7 @@ async function pictures() {
   const sizes = { 390: 844, 768: 1024, 1024: 768, 1440: 900 };
   for (const [width, height] of Object.entries(sizes)) {
     for (const scheme of ["light", "dark"]) {
-      for (const [name, hash] of [["follow", ""], ["map", "camera=map&"], ["carry", "carry=1&period=0.05&camera=shoulder&"]]) {
+      for (const [name, hash] of [["follow", ""], ["map", "camera=map&"], ["carry", "carry=1&period=0.05&camera=shoulder&"], ["warning", "file=xyz&alpha=much&"]]) {
         if (name !== "follow" && (scheme === "dark" || !["390", "1440"].includes(width))) continue;
         const { tab, close } = await opened(`${hash}play=0`, { width: Number(width), height, scheme });
         for (let i = 0; i < 22; i++) await tab.locator("#step").click();
