@@ -57,6 +57,7 @@ mod snapshots;
 mod spoiled_robot;
 mod starting;
 mod stimuli;
+mod study;
 mod suggestions;
 mod support;
 mod sweeps;

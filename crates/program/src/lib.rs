@@ -35,6 +35,8 @@ mod settings;
 mod shell;
 mod snapshots;
 mod stimuli;
+#[cfg_attr(not(feature = "people"), allow(dead_code, reason = "the feature `people` reads the arguments"))]
+mod study;
 mod sweep;
 mod terminal;
 mod text_table;
@@ -89,6 +91,8 @@ enum Command {
     Fit(fit::Parameter),
     Infer(infer::InferArguments),
     Stimuli(stimuli::StimuliArguments),
+    #[command(subcommand)]
+    Study(study::Action),
     Calibrate(calibrate::CalibrateArguments),
     #[command(subcommand)]
     Regress(regress::Action),
@@ -166,6 +170,7 @@ pub fn main_of(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Some(Command::Inspect(arguments)) => inspect::run_inspect(&arguments),
         Some(Command::Recover(arguments)) => recover::run_recover(&arguments),
         Some(Command::Stimuli(arguments)) => stimuli::run_stimuli(&arguments),
+        Some(Command::Study(action)) => study::run_study(&action),
         Some(Command::Render(arguments)) => render::run_render(&arguments),
         Some(Command::Replay(arguments)) => replay::run_replay(&arguments),
         Some(Command::Fit(parameter)) => fit::run_fit(&parameter),

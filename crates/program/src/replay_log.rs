@@ -5,6 +5,7 @@ use super::record::output;
 use super::replay::ReplayArguments;
 use anyhow::Context;
 use cocarry::arithmetic;
+use cocarry::coordination::Mode;
 use cocarry::episode::{Episode, Outcome};
 use cocarry::scenario::{EpisodeLog, PreparedScenario};
 use cocarry::{bounds, located};
@@ -16,11 +17,61 @@ pub(super) fn run_log(arguments: &ReplayArguments) -> Result<ExitCode, Failure> 
     let name = arguments.file.display().to_string();
     arguments.overwrite.outputs([arguments.file.as_path()], &arguments.record)?;
     let log = load(&arguments.file).map_err(Failure::Input)?;
-    let prepared = log.checked(&name).and_then(|scenario| scenario.prepare()).map_err(input)?;
+    let record = arguments.record.as_deref().map(|file| (file, arguments.overwrite.overwrite));
+    let Replayed { same, difference, steps, seconds, .. } = replayed(&log, &name, record)?;
+    let ours = arithmetic::stamp();
+    let other = match &*log.arithmetic {
+        theirs if theirs.is_empty() || theirs == ours => String::new(),
+        theirs => format!(
+            "logged with arithmetic {theirs}, run again with {ours}: the last bits of their results may differ\n"
+        ),
+    };
+    let so_far = format!("{}, up to {seconds:.1} s", counted(same, "digest"));
+    match difference {
+        None => print_verdict(&format!("{name}: identical: {so_far}\n{other}"), true)?,
+        Some(difference) => {
+            let text = format!(
+                "{name}: differs after {}: {difference}\nidentical before that: {so_far}\n{other}",
+                counted(steps, "step")
+            );
+            print_verdict(&text, false)?;
+            return Ok(ExitCode::from(1));
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// A log that was run again.
+#[cfg_attr(
+    not(feature = "people"),
+    allow(dead_code, reason = "tables of studies with people have all of it")
+)]
+pub(super) struct Replayed {
+    /// The number of digests that are equal.
+    pub same: u64,
+    /// The first difference.
+    pub difference: Option<String>,
+    /// The number of steps until then, or to the end, and their time, s.
+    pub steps: u64,
+    pub seconds: f64,
+    pub outcome: Option<Outcome>,
+    /// The time at which the human first led, s.
+    pub human_led_from: Option<f64>,
+    /// The option that was executed at the end.
+    pub option: String,
+}
+
+/// Runs the episode of a log, called `name` in errors, until it ends or differs; `record` is the recording to write, and
+/// whether it may replace a file.
+pub(super) fn replayed(
+    log: &EpisodeLog,
+    name: &str,
+    record: Option<(&Path, bool)>,
+) -> Result<Replayed, Failure> {
+    let prepared = log.checked(name).and_then(|scenario| scenario.prepare()).map_err(input)?;
     let partners = log.decisions.clone().partners(&prepared);
     let mut episode = prepared.episode_of(partners).map_err(input)?;
-    let overwrite = arguments.overwrite.overwrite;
-    let recorder = arguments.record.as_ref().map(|file| {
+    let recorder = record.map(|(file, overwrite)| {
         let recorder = FileRecorder::create(file, overwrite, &prepared, &episode).map_err(output)?;
         Ok::<_, Failure>(recorder.logging(log.decisions.begun()))
     });
@@ -28,9 +79,13 @@ pub(super) fn run_log(arguments: &ReplayArguments) -> Result<ExitCode, Failure> 
     let mut difference = None;
     let mut digests = log.digests.iter().peekable();
     let mut same = 0_u64;
+    let mut human_led_from = None;
     while episode.summary().steps < log.steps && difference.is_none() && episode.step().is_none() {
         if let Some(recorder) = &mut recorder {
             recorder.step(&episode).map_err(output)?;
+        }
+        if episode.tick().mode == Mode::HumanLed {
+            human_led_from.get_or_insert(episode.tick().time);
         }
         let steps = episode.summary().steps;
         while let Some((_, logged)) = digests.next_if(|(at, _)| *at <= steps) {
@@ -45,27 +100,10 @@ pub(super) fn run_log(arguments: &ReplayArguments) -> Result<ExitCode, Failure> 
     if let Some(recorder) = recorder {
         recorder.finish(&episode, outcome.map_or(Ending::Interrupted, Ending::Over)).map_err(output)?;
     }
-    let difference = difference.or_else(|| ends_otherwise(&log, &episode, outcome));
-    let ours = arithmetic::stamp();
-    let other = match &*log.arithmetic {
-        theirs if theirs.is_empty() || theirs == ours => String::new(),
-        theirs => format!(
-            "logged with arithmetic {theirs}, run again with {ours}: the last bits of their results may differ\n"
-        ),
-    };
-    let so_far = format!("{}, up to {:.1} s", counted(same, "digest"), seconds(&prepared, &episode));
-    match difference {
-        None => print_verdict(&format!("{name}: identical: {so_far}\n{other}"), true)?,
-        Some(difference) => {
-            let text = format!(
-                "{name}: differs after {}: {difference}\nidentical before that: {so_far}\n{other}",
-                counted(episode.summary().steps, "step")
-            );
-            print_verdict(&text, false)?;
-            return Ok(ExitCode::from(1));
-        }
-    }
-    Ok(ExitCode::SUCCESS)
+    let difference = difference.or_else(|| ends_otherwise(log, &episode, outcome));
+    let option = prepared.options().options()[episode.tick().executed].name.clone();
+    let (steps, seconds) = (episode.summary().steps, seconds(&prepared, &episode));
+    Ok(Replayed { same, difference, steps, seconds, outcome, human_led_from, option })
 }
 
 /// How the end is another one than the log's, if it is.

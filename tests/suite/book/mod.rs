@@ -77,6 +77,7 @@ pages! {
     the_page_of_the_page_can_be_followed: "book/src/page.md",
     the_page_of_snapshots_can_be_followed: "book/src/snapshots.md",
     the_page_of_files_that_are_not_trusted_can_be_followed: "book/src/untrusted.md",
+    the_page_of_people_can_be_followed: "book/src/people.md",
     the_page_of_fits_can_be_followed: "book/src/fits.md",
     the_page_of_participants_can_be_followed: "book/src/participants.md",
     the_page_of_regression_can_be_followed: "book/src/regression.md",

@@ -28,6 +28,17 @@ const SAGITTA: f64 = 0.01;
 /// Ends of the line of an entry of the legend.
 const SAMPLE_ENDS: [Point; 2] = [Point::new(-20.0, 0.0), Point::new(20.0, 0.0)];
 
+/// The base of a team that is a point is drawn as this disc, at this distance behind the object, m.
+pub const STAND_IN: Footprint = Footprint::Disc { center: Point::new(0.0, 0.0), radius: 0.25 };
+const STAND_IN_BEHIND_M: f64 = 0.45;
+
+/// Where a team that is a point has its base and its grasp, for an object of this length (m).
+pub fn stand_in(object: &PlanarPose, length: f64) -> (PlanarPose, Point) {
+    let ahead = direction(object.yaw);
+    let position = object.position - ahead * (length / 2.0 + STAND_IN_BEHIND_M);
+    (PlanarPose { position, yaw: object.yaw }, object.position - ahead * (length / 2.0))
+}
+
 /// An episode to draw.
 #[derive(Clone, Debug)]
 pub struct Film<'a> {

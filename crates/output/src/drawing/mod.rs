@@ -30,7 +30,7 @@ pub use adaptation::adaptation;
 pub use answers::{AnswerPanel, AnswerRow, RiskWeightMark, answers};
 pub use curves::{Curve, CurvePanel, curves};
 pub use differences::{DifferencePanel, DifferenceRow, differences};
-pub use film::{Film, Moment, NARROWEST, WIDEST};
+pub use film::{Film, Moment, NARROWEST, STAND_IN, WIDEST, stand_in};
 pub use heat::{HeatPanel, heat_maps};
 pub use kit::{Letters, dark_rules};
 pub use map::{MAX_LISTED, world_map};

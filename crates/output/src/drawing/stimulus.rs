@@ -87,6 +87,21 @@ impl<'a> Stimulus<'a> {
         self.document(Group::new())
     }
 
+    /// Width and height of the picture, px.
+    pub fn size(&self) -> Vector {
+        self.size
+    }
+
+    /// The place of a point of the world in the picture, px.
+    pub fn pixel(&self, point: Point) -> Point {
+        self.view.px(point)
+    }
+
+    /// The team alone, as an element of an SVG picture over [`Stimulus::map`].
+    pub fn team(&self, base: &Footprint, moment: &Moment) -> String {
+        team(self.world, base, &self.view, moment).to_string()
+    }
+
     /// The world with the team, as SVG. `base` is the outline of the robot's base about its place, x ahead.
     pub fn with_team(&self, base: &Footprint, moment: &Moment) -> String {
         self.document(team(self.world, base, &self.view, moment))

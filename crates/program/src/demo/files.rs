@@ -19,7 +19,7 @@ const MAX_BYTES: u64 = 64 << 20;
 
 /// The files that are served.
 #[derive(Debug)]
-pub(super) enum Pages {
+pub(crate) enum Pages {
     /// Those of a folder, by its real path.
     Folder(PathBuf),
     /// Those within the program.
@@ -29,7 +29,7 @@ pub(super) enum Pages {
 
 /// A file and its MIME type.
 #[derive(Debug, PartialEq)]
-pub(super) struct Served {
+pub(crate) struct Served {
     pub mime: &'static str,
     pub bytes: Cow<'static, [u8]>,
 }

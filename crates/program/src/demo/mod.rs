@@ -1,6 +1,6 @@
 //! `cocarry demo`: serves the page with the simulator in it on this computer, and opens it in a browser.
 
-mod files;
+pub(super) mod files;
 mod server;
 
 use super::interrupt::Interrupt;

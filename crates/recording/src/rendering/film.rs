@@ -1,12 +1,8 @@
 //! An episode in the form in which pictures draw it, from its recording.
 
 use crate::recording::{Channel, Frame, Playback};
-use cocarry::geometry::{Footprint, PlanarPose, Point};
-use cocarry_output::drawing::{Film, Letters, Moment};
-
-/// The base of a team that is a point is drawn as this disc, at this distance behind the object, m.
-const STAND_IN: Footprint = Footprint::Disc { center: Point::new(0.0, 0.0), radius: 0.25 };
-const STAND_IN_BEHIND_M: f64 = 0.45;
+use cocarry::geometry::PlanarPose;
+use cocarry_output::drawing::{Film, Letters, Moment, STAND_IN, stand_in};
 
 /// The film of an episode: a moment at the beginning of every step, and at the end.
 pub fn film(playback: &Playback, letters: Letters) -> Film<'_> {
@@ -57,18 +53,13 @@ impl Steps {
         let begun = self.times.partition_point(|begin| *begin <= time + 1e-6);
         let step = begun.saturating_sub(1);
         let object = PlanarPose::from_above(&frame.object);
-        let half = playback.prepared.world().object.size[0] / 2.0;
-        let ahead = cocarry::geometry::direction(object.yaw);
         let (base, grasp) = match playback.prepared.robot() {
             Some(robot) => {
                 let world_from_drive = frame.links[robot.base_link] * robot.drive_from_base().inverse();
                 let grasp = PlanarPose::from_above(&frame.links[robot.grasp_link]);
                 (PlanarPose::from_above(&world_from_drive), grasp.position)
             }
-            None => {
-                let position = object.position - ahead * (half + STAND_IN_BEHIND_M);
-                (PlanarPose { position, yaw: object.yaw }, object.position - ahead * half)
-            }
+            None => stand_in(&object, playback.prepared.world().object.size[0]),
         };
         let happened = playback.events.iter().rev().find(|event| event.time <= frame.time);
         let together = playback.events.iter().filter(|e| happened.is_some_and(|last| last.time == e.time));

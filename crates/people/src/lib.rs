@@ -1,0 +1,31 @@
+//! Studies with people: a study file, the page on which participants answer, its server, the store of what they
+//! answer, and the tables that `cocarry fit` and `cocarry infer` read.
+//!
+//! ```text
+//! study file -> Study -> Site -> page -> chunks -> Store -> Collected -> answers.csv, switches.csv, ...
+//! ```
+//!
+//! What a participant sees and answers is measured on a page: choices and timing, not forces. A mouse is not a beam in
+//! the hands.
+
+mod carry;
+mod collect;
+mod digest;
+mod import;
+mod order;
+mod server;
+mod simulate;
+mod site;
+mod store;
+mod study;
+mod walk;
+
+pub use carry::carry_scenario;
+pub use collect::{Collected, CollectedCarry, collect};
+pub use import::add_file;
+pub use order::{Trial, orders};
+pub use server::{Serving, serve};
+pub use simulate::{Truth, simulate};
+pub use site::{Sink, Site, SiteFile};
+pub use store::{Begin, Chunk, Forgotten, Put, Refusal, Session, Store, StoreError, StoredSession};
+pub use study::{End, MAX_PARTICIPANTS, Question, Scale, ScaleKind, Study, StudyWorld, TEMPLATE, Task};

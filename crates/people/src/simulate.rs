@@ -1,0 +1,135 @@
+//! Simulated participants, who answer as the model says, through the store that people's answers go through.
+
+use crate::digest::sha256;
+use crate::order::{Trial, orders};
+use crate::store::{Begin, Chunk, Store, StoreError, whole_digest};
+use crate::study::{ScaleKind, Study, StudyWorld};
+use cocarry::coordination;
+use cocarry::episode::Settings;
+use cocarry::learning::discomfort_limit;
+use cocarry::math;
+use cocarry::preference::{Marginal, Perception, RISK_WEIGHT, human_choice};
+use cocarry_studies::fit::Guidance;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde_json::{Value, json};
+use std::f64::consts::TAU;
+
+/// The population of `docs/data/simulated-answers.csv`: mean and standard deviation of alpha and gamma on the belief's
+/// ranges, median of eta and the factor of its standard deviation.
+const ALPHA: [f64; 4] = [0.68, 0.08, 0.55, 0.95];
+const GAMMA: [f64; 4] = [0.85, 0.15, 0.5, 1.1];
+const ETA: [f64; 2] = [10.5, 1.65];
+/// The probability of an answer that says nothing.
+const LAPSE_RATE: f64 = 0.05;
+
+/// What a simulated participant is.
+#[derive(Clone, Debug)]
+pub struct Truth {
+    /// The pseudonym.
+    pub participant: String,
+    /// alpha and gamma.
+    pub perception: Perception,
+    /// eta, in planning steps.
+    pub eta: f64,
+}
+
+/// Lets `count` participants, drawn from a seed, answer into a store. The same seed again changes nothing.
+///
+/// # Errors
+/// The store cannot be written, or has no place for as many.
+pub fn simulate(
+    study: &Study,
+    digest: &str,
+    store: &mut Store,
+    count: u64,
+    seed: u64,
+) -> Result<Vec<Truth>, StoreError> {
+    let orders = orders(study);
+    let draw = |[mean, std, lower, upper]: [f64; 4]| {
+        Marginal::truncated_normal(mean, std, lower, upper).expect("the ranges are not empty")
+    };
+    let (alpha, gamma) = (draw(ALPHA), draw(GAMMA));
+    let mut truths = Vec::new();
+    for person in 0..count {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(person);
+        let perception = Perception { alpha: alpha.sample(&mut rng), gamma: gamma.sample(&mut rng) };
+        let eta = math::exp(math::ln(ETA[0]) + math::ln(ETA[1]) * normal(&mut rng));
+        let key = sha256(format!("simulated {seed} {person}").as_bytes());
+        let begin = Begin { key: &key, platform_ids: &[], study: digest, participants: count, now: 0 };
+        let session = store.begin(&begin)?;
+        let trials = &orders[session.place as usize % orders.len()];
+        let mut chunks = Vec::new();
+        for (trial, page) in (0..).zip(trials) {
+            let mut data = answer(study, page, perception, eta, &mut rng);
+            if *page == Trial::Consent {
+                data["order"] = json!(session.place as usize % orders.len() + 1);
+            }
+            let body = json!([{ "kind": "done", "at_ms": 0, "data": data }]).to_string();
+            let sha256 = sha256(body.as_bytes());
+            store.put(&key, &Chunk { trial, number: 0, sha256: &sha256, body: &body }, 0)?;
+            chunks.push((trial, 0, sha256));
+        }
+        store.finish(&key, &whole_digest(&chunks), None, 0)?;
+        truths.push(Truth { participant: session.participant, perception, eta });
+    }
+    Ok(truths)
+}
+
+/// A standard normal number, by Box and Muller.
+fn normal(rng: &mut ChaCha8Rng) -> f64 {
+    let [u, v]: [f64; 2] = rng.random();
+    (-2.0 * math::ln_1p(-u)).sqrt() * math::cos(TAU * v)
+}
+
+/// What the page would record at the end of a trial. Simulated participants do not carry.
+fn answer(study: &Study, page: &Trial, perception: Perception, eta: f64, rng: &mut ChaCha8Rng) -> Value {
+    match *page {
+        Trial::Consent => json!({ "task": "consent", "version": study.consent[0] }),
+        Trial::Instructions { .. } => json!({ "task": "instructions" }),
+        Trial::Percentages { world, practice } => {
+            let world = &study.worlds[world];
+            let lapse = rng.random_bool(LAPSE_RATE).then(|| rng.random_range(0..world.options.len()));
+            let chosen =
+                lapse.unwrap_or_else(|| human_choice(&world.prospects, RISK_WEIGHT, perception, None));
+            let percent = |(o, name): (usize, &String)| json!([name, if o == chosen { 100 } else { 0 }]);
+            let percent: Vec<Value> = world.options.iter().enumerate().map(percent).collect();
+            json!({
+                "task": "percentages", "world": world.name, "practice": practice, "percent": percent, "ms": 0,
+                "hidden_ms": 0,
+            })
+        }
+        Trial::Switch { world, option, practice } => {
+            let world = &study.worlds[world];
+            let step = switch(world, option, eta);
+            json!({
+                "task": "switch", "world": world.name, "option": world.options[option], "practice": practice,
+                "step": step, "ms": step.map(|step| 1000.0 * Settings::default().planning_step * step as f64),
+                "frame": null, "plays": 1, "stalls": 0, "longest_frame_ms": 0,
+            })
+        }
+        Trial::Carry { .. } => json!({ "task": "instructions" }),
+        Trial::Question { question } => {
+            let question = &study.questions[question];
+            json!({ "task": "question", "text": question.text, "answers": [question.answers[question.right]], "right": true })
+        }
+        Trial::Scale { scale } => {
+            let scale = &study.scales[scale];
+            let middle = match scale.kind {
+                ScaleKind::NasaTlx => 50,
+                ScaleKind::Likert => scale.points.div_ceil(2),
+            };
+            let answers: Vec<Value> = scale.items().iter().map(|item| json!([item, middle])).collect();
+            json!({ "task": "scale", "name": scale.name, "answers": answers })
+        }
+    }
+}
+
+/// The step at which a human of this eta stops following a robot that walks an option: where phi(k) exceeds 1.
+fn switch(world: &StudyWorld, option: usize, eta: f64) -> Option<u64> {
+    let guidance = Guidance::along_option(&world.set, &Settings::default(), option)?;
+    let Guidance::Option { discomfort, .. } = guidance else { return None };
+    let limit = eta * discomfort_limit(coordination::Settings::default().initial_stubbornness);
+    discomfort.iter().position(|g| *g > limit).map(|step| step as u64)
+}

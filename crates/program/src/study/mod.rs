@@ -1,0 +1,179 @@
+//! `cocarry study`: studies with people.
+
+#[cfg(feature = "people")]
+mod run;
+
+use super::output::{Failure, OverwriteArguments, csv_file, examples};
+use clap::{Args, Subcommand};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Ask people: which way they would choose, and when they would stop following the robot
+#[derive(Debug, Subcommand)]
+pub(super) enum Action {
+    New(NewArguments),
+    Check(StudyArguments),
+    Build(BuildArguments),
+    Serve(ServeArguments),
+    Collect(CollectArguments),
+    Forget(ForgetArguments),
+    Simulate(SimulateArguments),
+}
+
+/// Write a commented study into a folder, to start from
+///
+/// Needs the cargo feature `people`, as all of `cocarry study`.
+#[derive(Args, Debug)]
+#[command(after_help = examples(&[("cocarry study new carrying", "carrying/study.toml; it runs as it is")]))]
+pub(super) struct NewArguments {
+    /// Folder; it is created if it does not exist
+    folder: PathBuf,
+    #[command(flatten)]
+    overwrite: OverwriteArguments,
+}
+
+/// Check a study file and the answers beside it, and print what a participant goes through
+#[derive(Args, Debug)]
+#[command(after_help = examples(&[("cocarry study check carrying/study.toml", "")]))]
+pub(super) struct StudyArguments {
+    /// Study file (TOML), as `cocarry study new` writes it
+    study: PathBuf,
+}
+
+/// Write the page of a study as plain files, for any web host
+///
+/// Without a server, the answers are in the participant's browser, and the last page saves them as a file, which the
+/// participant hands over: `cocarry study collect --add FILE` reads it. There is no code of the end, since nothing on
+/// such a page is secret.
+#[derive(Args, Debug)]
+#[command(after_help = examples(&[("cocarry study build carrying/study.toml -o site", "the page, in the new folder site")]))]
+pub(super) struct BuildArguments {
+    /// Study file (TOML)
+    study: PathBuf,
+    /// Folder to write into; it is created if it does not exist
+    #[arg(short, long, value_name = "FOLDER")]
+    output: PathBuf,
+    #[command(flatten)]
+    module: ModuleArguments,
+    #[command(flatten)]
+    overwrite: OverwriteArguments,
+}
+
+/// Where the simulator for the page is.
+#[derive(Args, Debug)]
+pub(super) struct ModuleArguments {
+    /// For the task `carry`: the folder with cocarry.wasm, as `crates/web/build` makes it [default: what a program with
+    /// the feature `page` has within, or the folder in a clone of the project]
+    #[arg(long, value_name = "FOLDER")]
+    page: Option<PathBuf>,
+}
+
+/// Serve a study, and keep what participants answer in a database beside the study file
+///
+/// The server listens at this computer's own address alone, and has no encryption. To be reached from elsewhere it needs
+/// a proxy on this computer that has (nginx, Caddy), which passes the host's name on; `--public` says that name.
+#[derive(Args, Debug)]
+#[command(after_help = examples(&[
+    ("cocarry study serve carrying/study.toml", "for a browser on this computer; Ctrl-C ends it"),
+    ("cocarry study serve carrying/study.toml --public https://study.example.org", "behind a proxy of that name"),
+]))]
+pub(super) struct ServeArguments {
+    /// Study file (TOML)
+    study: PathBuf,
+    /// Serve at this port of this computer; 0 takes a free one
+    #[arg(long, value_name = "PORT", default_value_t = 8791)]
+    port: u16,
+    /// Also take requests that a proxy on this computer passes on from this address, such as https://study.example.org
+    #[arg(long, value_name = "ADDRESS", value_parser = public)]
+    public: Option<String>,
+    #[command(flatten)]
+    module: ModuleArguments,
+}
+
+/// Write the answers of a study as tables for `cocarry fit`, `cocarry infer` and others
+///
+/// The folder gets answers.csv, switches.csv, participants.csv, responses.csv, dictionary.csv with the meaning of every
+/// column, README.md, and the world files that are not built in; of the task `carry` also carries.csv and a recording of each
+/// episode, which is run again and compared with the page's, second by second. Who did not finish is left out, and what does not fit
+/// the study; the program prints it.
+#[derive(Args, Debug)]
+#[command(after_help = examples(&[
+    ("cocarry study collect carrying/study.toml -o answers", "then: cocarry infer answers/answers.csv answers/switches.csv"),
+]))]
+pub(super) struct CollectArguments {
+    /// Study file (TOML)
+    study: PathBuf,
+    /// Folder to write into; it is created if it does not exist
+    #[arg(short, long, value_name = "FOLDER")]
+    output: PathBuf,
+    /// Also use the pages of those who did not finish
+    #[arg(long)]
+    with_unfinished: bool,
+    /// Add a file that a participant saved where the page has no server; may be given several times
+    #[arg(long, value_name = "FILE")]
+    add: Vec<PathBuf>,
+    /// Collect the participants of `cocarry study simulate`
+    #[arg(long, conflicts_with = "add")]
+    simulated: bool,
+    #[command(flatten)]
+    overwrite: OverwriteArguments,
+}
+
+/// Remove a person with all answers from the database, and search its files for what is left
+///
+/// Tables that were collected before still have the answers: collect them anew.
+#[derive(Args, Debug)]
+#[command(after_help = examples(&[("cocarry study forget carrying/study.toml p0123456789ab", "")]))]
+pub(super) struct ForgetArguments {
+    /// Study file (TOML)
+    study: PathBuf,
+    /// The person: the number that the last page shows, or the identity that a recruiting platform gave
+    id: String,
+}
+
+/// Let simulated participants answer a study, in a database of their own
+///
+/// alpha, gamma and eta are drawn as for docs/data/simulated-answers.csv. A participant gives 100 % to the option that
+/// eq. (3) chooses (5 % of the answers say nothing), and stops following where phi(k) of eq. (5) exceeds 1.
+#[derive(Args, Debug)]
+#[command(after_help = examples(&[
+    ("cocarry study simulate study.toml --participants 40 --truth truth.csv", ""),
+    ("cocarry study collect study.toml --simulated -o simulated", "then fit, and compare with truth.csv"),
+]))]
+pub(super) struct SimulateArguments {
+    /// Study file (TOML)
+    study: PathBuf,
+    /// Number of participants
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    participants: u64,
+    /// Seed of the draws
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Write alpha, gamma and eta of every participant into this CSV file
+    #[arg(long, value_name = "FILE", value_parser = csv_file)]
+    truth: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: OverwriteArguments,
+}
+
+pub(super) fn run_study(action: &Action) -> Result<ExitCode, Failure> {
+    #[cfg(feature = "people")]
+    return run::run_action(action).map(|()| ExitCode::SUCCESS);
+    #[cfg(not(feature = "people"))]
+    {
+        let _ = action;
+        Err(super::output::input(anyhow::anyhow!(
+            "this program was built without the feature `people`; build it with `cargo install --path crates/program \
+             --features people`"
+        )))
+    }
+}
+
+/// An address without a path.
+fn public(text: &str) -> Result<String, String> {
+    let host = text.strip_prefix("https://").or_else(|| text.strip_prefix("http://"));
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || ".-:[]".contains(c);
+    let is_address = host.is_some_and(|host| !host.is_empty() && host.chars().all(is_plain));
+    let expected = "must be a scheme and a host without a path, such as https://study.example.org";
+    is_address.then(|| text.to_owned()).ok_or_else(|| expected.to_owned())
+}

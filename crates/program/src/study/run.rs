@@ -1,0 +1,343 @@
+//! The work of `cocarry study`.
+
+use super::{
+    Action, BuildArguments, CollectArguments, ForgetArguments, ModuleArguments, NewArguments, ServeArguments,
+    SimulateArguments,
+};
+use crate::demo::files::Pages;
+use crate::export::write_all;
+use crate::interrupt::Interrupt;
+use crate::output::{Failure, OverwriteArguments, counted, input, print, print_verdict, warn, write_file};
+use crate::replay_log::{Replayed, replayed};
+use anyhow::{Context, anyhow};
+use cocarry::episode::Outcome;
+use cocarry::suggestion::shell_word;
+use cocarry_people::{
+    CollectedCarry, Refusal, Serving, Sink, Site, Store, StoreError, Study, TEMPLATE, Task, add_file,
+    collect, orders, serve, simulate,
+};
+use std::fmt::Write;
+use std::net::{Ipv4Addr, SocketAddr, TcpListener};
+use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+/// What is said of a page's seconds: reading a page of text, dividing 100 %, looking at a scale.
+const TEXT_S: f64 = 30.0;
+const PERCENTAGES_S: f64 = 40.0;
+const CARRY_S: f64 = 60.0;
+
+pub(super) fn run_action(action: &Action) -> Result<(), Failure> {
+    match action {
+        Action::New(arguments) => run_new(arguments),
+        Action::Check(arguments) => run_check(&arguments.study),
+        Action::Build(arguments) => run_build(arguments),
+        Action::Serve(arguments) => run_serve(arguments),
+        Action::Collect(arguments) => run_collect(arguments),
+        Action::Forget(arguments) => run_forget(arguments),
+        Action::Simulate(arguments) => run_simulate(arguments),
+    }
+}
+
+/// The study in a file, or in the folder of `study new`.
+fn read(file: &Path) -> Result<Study, Failure> {
+    const NAME: &str = "study.toml";
+    let inside = file.join(NAME);
+    let study = Study::read(if file.is_dir() && inside.is_file() { &inside } else { file }).map_err(input)?;
+    study.worlds.iter().flat_map(|world| world.world.warnings()).for_each(|warning| warn(&warning));
+    Ok(study)
+}
+
+/// A failure of the store: bad input where the request is at fault.
+fn of_store(error: StoreError) -> Failure {
+    match error {
+        StoreError::Database { .. } => Failure::Output(error.into()),
+        StoreError::Refused(_) | StoreError::File { .. } => input(error),
+    }
+}
+
+fn made(folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("{}: cannot be created", folder.display()))
+        .map_err(Failure::Output)
+}
+
+/// Seconds since 1970.
+fn now() -> i64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |passed| passed.as_secs() as i64)
+}
+
+fn run_new(NewArguments { folder, overwrite }: &NewArguments) -> Result<(), Failure> {
+    let file = folder.join("study.toml");
+    if folder.exists() {
+        overwrite.outputs([], [&file])?;
+    }
+    made(folder)?;
+    write_all(*overwrite, &[(file.clone(), TEMPLATE)])?;
+    let (file, answers) =
+        (shell_word(&file.display().to_string()), shell_word(&folder.join("answers").display().to_string()));
+    print(&format!(
+        "\nTry:\n  cocarry study check {file}\n  cocarry study serve {file}\n  cocarry study collect {file} -o {answers}\n"
+    ))
+}
+
+fn run_check(file: &Path) -> Result<(), Failure> {
+    let study = read(file)?;
+    let orders = orders(&study);
+    let mut text = format!("{}\n", study.title);
+    let _ = writeln!(
+        text,
+        "{} of {}, {} in {}",
+        counted(orders[0].len() as u64, "page"),
+        counted(study.participants, "participant"),
+        counted(study.measured_worlds() as u64, "world"),
+        counted(orders.len() as u64, "order")
+    );
+    let walks: Vec<f64> = study.worlds[..study.measured_worlds()]
+        .iter()
+        .flat_map(|world| world.prospects.iter().map(|prospect| prospect.length / 0.5))
+        .collect();
+    let mut seconds = TEXT_S * (1 + study.tasks.len() + study.questions.len() + study.scales.len()) as f64;
+    for task in &study.tasks {
+        let (what, took) = match task {
+            Task::Percentages => (
+                counted(study.measured_worlds() as u64, "map"),
+                PERCENTAGES_S * study.measured_worlds() as f64,
+            ),
+            Task::Carry => {
+                let carries = study.measured_worlds() * study.methods.len();
+                (counted(carries as u64, "carry"), CARRY_S * carries as f64)
+            }
+            Task::Switch => (counted(walks.len() as u64, "walk"), walks.iter().sum()),
+        };
+        seconds += took;
+        let _ = writeln!(text, "{}: {what}", task.name());
+    }
+    let _ = writeln!(text, "about {:.0} min, if nobody stops a walk", (seconds / 60.0).ceil());
+    let dominated: Vec<String> = study
+        .worlds
+        .iter()
+        .flat_map(|world| {
+            let options = (0..world.options.len()).filter(|&option| world.is_dominated(option));
+            options.map(|option| format!("{} of {}", world.options[option], world.name)).collect::<Vec<_>>()
+        })
+        .collect();
+    if !dominated.is_empty() {
+        let _ = writeln!(text, "longer and riskier than another option: {}", dominated.join(", "));
+    }
+    print(&text)?;
+    if study.database().is_file() {
+        let store = Store::open(&study.database()).map_err(of_store)?;
+        let faults = store.faults().map_err(of_store)?;
+        if let Some(fault) = faults.first() {
+            return Err(Failure::Input(anyhow!("{}: damaged: {fault}", study.database().display())));
+        }
+        let [begun, finished] = store.counts().map_err(of_store)?;
+        print(&format!("{}: sound; {begun} began, {finished} finished\n", study.database().display()))?;
+    }
+    Ok(())
+}
+
+/// The page of a study, with the simulator if people carry in it.
+fn site(study: &Study, sink: Sink, ModuleArguments { page }: &ModuleArguments) -> Result<Site, Failure> {
+    const MODULE: &str = "/cocarry.wasm";
+    let module = match study.has_carry() {
+        false => None,
+        true => {
+            let pages = Pages::find(page.as_deref()).context("the task `carry`").map_err(input)?;
+            let module = pages
+                .get(MODULE)
+                .ok_or_else(|| input(anyhow!("the task `carry`: the page has no cocarry.wasm")))?;
+            Some(module.bytes)
+        }
+    };
+    Site::new(study, sink, module).map_err(input)
+}
+
+fn run_build(BuildArguments { study, output, module, overwrite }: &BuildArguments) -> Result<(), Failure> {
+    let site = site(&read(study)?, Sink::Download, module)?;
+    let files: Vec<(PathBuf, &[u8])> =
+        site.files.iter().map(|file| (output.join(&*file.name), &*file.bytes)).collect();
+    // before folders are made, which have no files then
+    if output.exists() {
+        let existing =
+            files.iter().map(|(file, _)| file).filter(|file| file.parent().is_some_and(Path::is_dir));
+        overwrite.outputs([study.as_path()], existing)?;
+    }
+    for folder in files.iter().filter_map(|(file, _)| file.parent()) {
+        made(folder)?;
+    }
+    write_all(*overwrite, &files)
+}
+
+fn run_serve(ServeArguments { study, port, public, module }: &ServeArguments) -> Result<(), Failure> {
+    let study = read(study)?;
+    let site = site(&study, Sink::Server, module)?;
+    let store = Store::open(&study.database()).map_err(of_store)?;
+    let address = SocketAddr::from((Ipv4Addr::LOCALHOST, *port));
+    let listener = TcpListener::bind(address)
+        .map_err(|error| input(anyhow!("--port {port}: {error}; use another port, or 0 for a free one")))?;
+    let port = listener.local_addr().context("the port is not known").map_err(Failure::Output)?.port();
+    let mut hosts = vec![format!("127.0.0.1:{port}"), format!("localhost:{port}")];
+    hosts.extend(
+        public.iter().filter_map(|address| address.split_once("://")).map(|(_, host)| host.to_owned()),
+    );
+    let interrupt = Interrupt::caught()?;
+    let proxy = public.as_ref().map_or(String::new(), |address| {
+        format!("a proxy on this computer must pass on {address} with its host's name\n")
+    });
+    print(&format!(
+        "the study is at http://127.0.0.1:{port}/\n{proxy}answers go to {}\nCtrl-C ends it\n",
+        study.database().display()
+    ))?;
+    let (participants, code) = (study.participants, study.end.code.clone());
+    let serving = Serving { site, store, participants, code, hosts };
+    serve(listener, serving, || interrupt.is_set())
+        .context("the study cannot be served")
+        .map_err(Failure::Output)
+}
+
+fn run_collect(arguments: &CollectArguments) -> Result<(), Failure> {
+    let study = read(&arguments.study)?;
+    let database = if arguments.simulated { study.simulated_database() } else { study.database() };
+    let mut store = match arguments.add.is_empty() {
+        true => Store::open_existing(&database),
+        false => Store::open(&database),
+    }
+    .map_err(of_store)?;
+    if !arguments.add.is_empty() {
+        let digest = Site::new(&study, Sink::Download, None).map_err(input)?.digest;
+        for file in &arguments.add {
+            let session = add_file(&study, &digest, &mut store, file, now()).map_err(input)?;
+            print(&format!("added {} as {}\n", file.display(), session.participant))?;
+        }
+    }
+    let sessions = store.sessions().map_err(of_store)?;
+    let collected = collect(&study, &sessions, arguments.with_unfinished);
+    let files: Vec<(PathBuf, Vec<u8>)> =
+        collected.files.into_iter().map(|(name, bytes)| (arguments.output.join(name), bytes)).collect();
+    if arguments.output.exists() {
+        let existing =
+            files.iter().map(|(file, _)| file).filter(|file| file.parent().is_some_and(Path::is_dir));
+        arguments.overwrite.outputs([study.file.as_path()], existing)?;
+    }
+    for folder in files.iter().filter_map(|(file, _)| file.parent()) {
+        made(folder)?;
+    }
+    write_all(arguments.overwrite, &files)?;
+    replay_carries(&collected.carries, &arguments.output, arguments.overwrite)?;
+    collected.left_out.iter().for_each(|line| warn(&format_args!("left out: {line}")));
+    print(&format!("{}\n", counted(collected.participants as u64, "participant")))
+}
+
+/// Runs every carry again, records it, and writes their table.
+fn replay_carries(
+    carries: &[CollectedCarry],
+    folder: &Path,
+    overwrite: OverwriteArguments,
+) -> Result<(), Failure> {
+    if carries.is_empty() {
+        return Ok(());
+    }
+    let recordings = folder.join("carries");
+    made(&recordings)?;
+    let mut table = csv::Writer::from_writer(Vec::new());
+    for carry in carries {
+        let name = format!("{}-{}.mcap", carry.participant, carry.page);
+        let file = recordings.join(&name);
+        overwrite.outputs([], [&file])?;
+        let done = replayed(&carry.log, &name, Some((&file, overwrite.overwrite)))?;
+        let Replayed { same, difference, seconds, outcome, human_led_from, option, .. } = done;
+        let differs_after = difference.as_ref().map(|_| seconds);
+        if let Some(difference) = difference {
+            warn(&format_args!(
+                "{name}: differs within {seconds:.1} s, after {}: {difference}",
+                counted(same, "equal digest")
+            ));
+        }
+        let row = CarryRow {
+            participant: &carry.participant,
+            world: &carry.world,
+            method: &carry.method,
+            recording: format!("carries/{name}"),
+            outcome: outcome.map_or("", Outcome::name),
+            option,
+            duration_s: format!("{seconds:.2}"),
+            human_led_from_s: human_led_from.map(|time| format!("{time:.2}")),
+            differs_within_s: differs_after.map(|time| format!("{time:.2}")),
+            stalls: carry.stalls,
+            behind_clock_s: carry.lost,
+        };
+        table.serialize(row).expect("a table in memory is always written");
+    }
+    let rows = table.into_inner().expect("a table in memory is always written");
+    write_all(overwrite, &[(folder.join("carries.csv"), rows)])
+}
+
+/// A row of the table of carries.
+#[derive(serde::Serialize)]
+struct CarryRow<'a> {
+    participant: &'a str,
+    world: &'a str,
+    method: &'a str,
+    recording: String,
+    outcome: &'a str,
+    option: String,
+    duration_s: String,
+    human_led_from_s: Option<String>,
+    differs_within_s: Option<String>,
+    stalls: u64,
+    behind_clock_s: f64,
+}
+
+fn run_forget(ForgetArguments { study, id }: &ForgetArguments) -> Result<(), Failure> {
+    let database = read(study)?.database();
+    let mut store = Store::open_existing(&database).map_err(of_store)?;
+    let forgotten = store.forget(id).map_err(of_store)?;
+    print_verdict(
+        &format!(
+            "{} is removed: {} and {} of a platform. {} of {} were searched: no trace of them\n",
+            forgotten.participant,
+            counted(forgotten.chunks, "chunk"),
+            counted(forgotten.platform_ids, "parameter"),
+            counted(forgotten.searched_bytes, "byte"),
+            database.display()
+        ),
+        true,
+    )
+}
+
+fn run_simulate(arguments: &SimulateArguments) -> Result<(), Failure> {
+    let study = read(&arguments.study)?;
+    let outputs = arguments.overwrite.outputs([study.file.as_path()], &arguments.truth)?;
+    if study.has_carry() {
+        let file = study.file.display();
+        return Err(input(anyhow!(
+            "{file}: simulated participants do not carry; leave the task `carry` out"
+        )));
+    }
+    let digest = Site::new(&study, Sink::Server, None).map_err(input)?.digest;
+    let mut store = Store::open(&study.simulated_database()).map_err(of_store)?;
+    let simulated = simulate(&study, &digest, &mut store, arguments.participants, arguments.seed);
+    let truths = simulated.map_err(|error| match error {
+        StoreError::Refused(Refusal::Full) => input(anyhow!(
+            "{}: has other simulated participants; remove the file first",
+            study.simulated_database().display()
+        )),
+        other => of_store(other),
+    })?;
+    if let Some(file) = &arguments.truth {
+        let mut table = csv::Writer::from_writer(Vec::new());
+        let header = ["participant", "alpha", "gamma", "eta"].map(str::to_owned);
+        let rows = truths.iter().map(|truth| {
+            let numbers = [truth.perception.alpha, truth.perception.gamma, truth.eta];
+            let [alpha, gamma, eta] = numbers.map(|number| format!("{number:.4}"));
+            [truth.participant.clone(), alpha, gamma, eta]
+        });
+        for row in [header].into_iter().chain(rows) {
+            table.write_record(&row).expect("a table in memory is always written");
+        }
+        write_file(&outputs, file, table.into_inner().expect("a table in memory is always written"))?;
+    }
+    let (people, file) = (counted(arguments.participants, "participant"), study.simulated_database());
+    print(&format!("{people} answered into {}\n", file.display()))
+}

@@ -1,0 +1,216 @@
+//! `cocarry study` as a researcher uses it. What a participant does is tested in a browser: `viewer/test/people.mjs`.
+
+use crate::support::repository;
+
+/// The page that the program has within is built from `viewer/people`.
+#[test]
+fn the_page_of_studies_that_ships_is_built_from_the_sources_that_ship() {
+    let page = std::fs::read_to_string(repository("assets/people/index.html")).unwrap();
+    let folder = repository("viewer/people");
+    let others =
+        ["build.mjs", "package-lock.json", "package.json", "../page/carry.js", "../../crates/web/cocarry.js"];
+    let mut sources = Vec::from(others.map(str::to_owned));
+    let names = std::fs::read_dir(folder.join("src")).expect("viewer/people/src");
+    sources.extend(names.map(|entry| format!("src/{}", entry.unwrap().file_name().to_str().unwrap())));
+    sources.sort();
+    let mut digest = crc32fast::Hasher::new();
+    for name in sources {
+        digest.update(format!("{name}\n{}", std::fs::read_to_string(folder.join(&name)).unwrap()).as_bytes());
+    }
+    let digest = format!("<meta name=\"sources\" content=\"{:08x}\">", digest.finalize());
+    assert!(
+        page.contains(&digest),
+        "build it anew: cd viewer && npm ci && cd people && npm ci && node build.mjs"
+    );
+}
+
+#[cfg(not(feature = "people"))]
+#[test]
+fn a_program_without_the_feature_says_how_to_get_it() {
+    let output = crate::support::cocarry(&["study", "check", "study.toml"]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = crate::support::stderr(&output);
+    assert!(said.contains("cargo install --path crates/program --features people"), "{said}");
+}
+
+#[cfg(feature = "people")]
+mod with_people {
+    use crate::support::{cocarry, json, stderr, stdout};
+    use std::io::{BufRead, BufReader, Read, Write};
+    use std::net::TcpStream;
+    use std::path::{Path, PathBuf};
+    use std::process::{Command, Stdio};
+
+    /// A folder with the study of `study new`, and the study's file.
+    fn new() -> (tempfile::TempDir, PathBuf) {
+        let folder = tempfile::tempdir().unwrap();
+        let output = cocarry(&["study", "new", folder.path().to_str().unwrap()]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        let file = folder.path().join("study.toml");
+        (folder, file)
+    }
+
+    /// What a command prints, which must succeed.
+    fn done(arguments: &[&str]) -> String {
+        let output = cocarry(arguments);
+        assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
+        stdout(&output)
+    }
+
+    fn text(path: &Path) -> &str {
+        path.to_str().unwrap()
+    }
+
+    #[test]
+    fn people_a_study_is_checked_and_a_fault_is_told_with_its_place() {
+        let (folder, file) = new();
+        let said = done(&["study", "check", text(folder.path())]);
+        assert!(said.contains("percentages: 2 maps\nswitch: 8 walks\n"), "{said}");
+        let written = std::fs::read_to_string(&file).unwrap();
+        std::fs::write(&file, written.replace("participants = 20", "participants = \"many\"")).unwrap();
+        let output = cocarry(&["study", "check", text(&file)]);
+        assert_eq!(output.status.code(), Some(2));
+        let said = stderr(&output);
+        assert!(said.contains("study.toml") && said.contains("participants"), "{said}");
+        // nothing is replaced
+        let output = cocarry(&["study", "new", text(folder.path())]);
+        assert_eq!(output.status.code(), Some(2));
+    }
+
+    #[test]
+    fn people_simulated_answers_go_into_fit_and_infer_and_back_to_their_truth() {
+        let (folder, file) = new();
+        let (file, to, truth) = (text(&file), folder.path().join("answers"), folder.path().join("truth.csv"));
+        let simulate =
+            ["study", "simulate", file, "--participants", "12", "--seed", "3", "--truth", text(&truth)];
+        done(&simulate);
+        let said = done(&["study", "collect", file, "--simulated", "-o", text(&to)]);
+        assert!(said.ends_with("12 participants\n"), "{said}");
+        let (answers, switches) = (to.join("answers.csv"), to.join("switches.csv"));
+        // 12 people, 2 worlds, 4 options
+        for table in [&answers, &switches] {
+            assert_eq!(std::fs::read_to_string(table).unwrap().lines().count(), 1 + 12 * 2 * 4);
+        }
+        let fit = json(&["fit", "risk-weight", text(&answers), "--resamples", "40", "--json"]);
+        assert_eq!(fit["participants"], 12);
+        let fit = json(&["fit", "eta", text(&switches), "--json"]);
+        let mut truths = std::collections::BTreeMap::new();
+        for row in csv::Reader::from_path(&truth).unwrap().deserialize::<(String, f64, f64, f64)>() {
+            let (participant, _, _, eta) = row.unwrap();
+            truths.insert(participant, eta);
+        }
+        // every episode bounds the eta from which it came
+        let mut bounded = 0;
+        for episode in fit["episodes"].as_array().unwrap() {
+            let eta = truths[episode["participant"].as_str().unwrap()];
+            for ends in episode["eta"].as_array().unwrap() {
+                let high = ends[1].as_f64().unwrap_or(f64::INFINITY);
+                assert!(ends[0].as_f64().unwrap() <= eta + 1e-3 && eta <= high + 1e-3, "{eta}: {episode}");
+                bounded += 1;
+            }
+        }
+        assert_eq!(bounded, 12 * 2 * 4);
+        let inferred = json(&["infer", text(&answers), text(&switches), "--draws", "100", "--json"]);
+        assert_eq!(inferred["people"].as_array().map(Vec::len), Some(12), "{inferred}");
+        // the same again is the same
+        let again = folder.path().join("again");
+        done(&[&simulate[..], &["--overwrite"]].concat());
+        done(&["study", "collect", file, "--simulated", "-o", text(&again)]);
+        for name in [
+            "answers.csv",
+            "switches.csv",
+            "participants.csv",
+            "responses.csv",
+            "dictionary.csv",
+            "README.md",
+        ] {
+            assert_eq!(
+                std::fs::read(to.join(name)).unwrap(),
+                std::fs::read(again.join(name)).unwrap(),
+                "{name}"
+            );
+        }
+        // every column is explained
+        let dictionary = std::fs::read_to_string(to.join("dictionary.csv")).unwrap();
+        for name in ["answers.csv", "switches.csv", "participants.csv", "responses.csv"] {
+            let table = std::fs::read_to_string(to.join(name)).unwrap();
+            for column in table.lines().next().unwrap().split(',') {
+                assert!(dictionary.contains(&format!("{name},{column},")), "{name}: {column}");
+            }
+        }
+    }
+
+    #[test]
+    fn people_answers_of_your_own_world_go_with_its_file() {
+        let (folder, file) = new();
+        std::fs::copy(
+            crate::support::repository("worlds/environment-1.toml"),
+            folder.path().join("mine.toml"),
+        )
+        .unwrap();
+        let written = std::fs::read_to_string(&file).unwrap();
+        std::fs::write(&file, written.replace("\"environment-4\"]", "\"mine.toml\"]")).unwrap();
+        let (file, to) = (text(&file), folder.path().join("answers"));
+        done(&["study", "simulate", file, "--participants", "2"]);
+        done(&["study", "collect", file, "--simulated", "-o", text(&to)]);
+        assert!(std::fs::read_to_string(to.join("answers.csv")).unwrap().contains(",worlds/mine.toml,1,"));
+        let fit = json(&["fit", "risk-weight", text(&to.join("answers.csv")), "--resamples", "40", "--json"]);
+        assert_eq!(fit["participants"], 2);
+    }
+
+    #[test]
+    fn people_a_page_without_a_server_is_plain_files_without_a_secret() {
+        let (folder, file) = new();
+        let written = std::fs::read_to_string(&file).unwrap();
+        std::fs::write(&file, written.replace("# code = ", "code = ")).unwrap();
+        let to = folder.path().join("site");
+        done(&["study", "build", text(&file), "-o", text(&to)]);
+        let study = std::fs::read_to_string(to.join("study.json")).unwrap();
+        assert!(study.contains("\"sink\":\"download\"") && !study.contains("C0FFEE\"}"), "{study}");
+        assert!(!study.contains("\"code\"") && !study.contains("risk"));
+        for name in
+            ["index.html", "study.js", "study.css", "NOTICE.txt", "maps/1.svg", "maps/2.svg", "maps/3.svg"]
+        {
+            assert!(to.join(name).is_file(), "{name}");
+        }
+        let output = cocarry(&["study", "build", text(&file), "-o", text(&to)]);
+        assert_eq!(output.status.code(), Some(2), "files are not replaced unasked");
+    }
+
+    #[test]
+    fn people_nobody_has_answered_and_nobody_is_known() {
+        let (folder, file) = new();
+        for words in
+            [&["forget", text(&file), "anna"][..], &["collect", text(&file), "-o", text(folder.path())]]
+        {
+            let output = cocarry(&[&["study"], words].concat());
+            assert_eq!(output.status.code(), Some(2));
+            assert!(stderr(&output).contains("study.sqlite: nobody has answered yet"), "{}", stderr(&output));
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn people_a_study_is_served_until_ctrl_c() {
+        let (folder, file) = new();
+        let mut child = Command::new(env!("CARGO_BIN_EXE_cocarry"))
+            .args(["study", "serve", text(&file), "--port", "0"])
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("the program starts");
+        let mut line = String::new();
+        BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
+        let host =
+            line.trim().strip_prefix("the study is at http://").and_then(|rest| rest.strip_suffix('/'));
+        let host = host.unwrap_or_else(|| panic!("{line:?}"));
+        let mut stream = TcpStream::connect(host).unwrap();
+        write!(stream, "GET / HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n").unwrap();
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).unwrap();
+        assert!(answer.starts_with("HTTP/1.1 200") && answer.contains("study.js"), "{answer}");
+        assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+        assert_eq!(child.wait().unwrap().code(), Some(0));
+        assert!(folder.path().join("study.sqlite").is_file());
+        assert!(done(&["study", "check", text(&file)]).contains("sound; 0 began, 0 finished"));
+    }
+}
