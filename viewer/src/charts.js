@@ -34,7 +34,7 @@ function charts(episode) {
     title: "Force on the object", unit: figures.grip_force_n ? `${figures.grip_force_n.unit}, mean of a step` : "N",
     height: 110, least: 1, digits: 1, times, curves: [],
     about: "The size of the mean force of each grip over a step, weight included.",
-    none: "The plant of this recording has no forces.",
+    none: "This plant has no forces.",
   };
   if (figures.grip_force_n) {
     forces.curves = [curve("grip_force_n", "robot's gripper", "var(--robot)"), curve("hand_force_n", "human's hand", "var(--human)", "5 3")];
