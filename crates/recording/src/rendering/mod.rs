@@ -1,7 +1,7 @@
 //! Recordings as pages and pictures that open anywhere: a 3-D player in one HTML file, filmstrips and
 //! animations; and layouts for other viewers.
 //!
-//! Everything is drawn from what the recording holds, in the colours of [`drawing`](cocarry_output::drawing). Equal
+//! Everything is drawn from what the recording holds, in the colours of `cocarry_output::palette`. Equal
 //! recordings give equal bytes.
 
 mod film;
