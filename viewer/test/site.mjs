@@ -84,7 +84,8 @@ async function examples() {
       assert.ok(scroll <= width, `${name}: the frame is wider than its place`);
       await page.locator("#play").click();
       const before = await clock.textContent();
-      await page.locator("#step").click();
+      // a step goes to the end of a period, which can be less than what the clock shows
+      for (let clicks = 0; clicks < 2; clicks++) await page.locator("#step").click();
       assert.notEqual(await clock.textContent(), before);
       await tab.locator("iframe.live").screenshot({ path: join(screenshots, `${title}-live-${i}.png`) });
       await buttons.nth(i).click();
