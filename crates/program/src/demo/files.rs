@@ -1,6 +1,8 @@
 //! The files of the page: of a folder, or within the program.
 
-use anyhow::{Context, anyhow};
+#[cfg(not(feature = "page"))]
+use anyhow::Context;
+use anyhow::anyhow;
 use cocarry::located;
 use std::borrow::Cow;
 use std::io::Read;
