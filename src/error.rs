@@ -4,6 +4,7 @@
 use crate::suggestion;
 use std::error::Error as StdError;
 use std::fmt;
+use std::iter::successors;
 
 /// A place in a file, or in another input.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -143,6 +144,12 @@ impl Error {
     pub fn place(&self) -> Option<&Place> {
         self.0.place.as_ref()
     }
+}
+
+/// An error with its causes, in one text: `ERROR: CAUSE: CAUSE`.
+pub fn words(error: &dyn StdError) -> String {
+    let chain = successors(Some(error), |error| (**error).source());
+    chain.map(ToString::to_string).collect::<Vec<_>>().join(": ")
 }
 
 impl fmt::Display for Error {

@@ -64,6 +64,19 @@ pub fn read_bytes(kind: &FileBounds, path: &Path) -> Result<Vec<u8>, io::Error> 
     Ok(bytes)
 }
 
+/// The longest line of an error's text, characters.
+const MAX_LINE: usize = 400;
+
+/// An error of a reader of TOML, without the end of long lines: it shows a line of the file, of any length.
+pub fn short_lines(error: &dyn Display) -> String {
+    let text = error.to_string();
+    let short = |line: &str| match line.char_indices().nth(MAX_LINE) {
+        Some((end, _)) => format!("{}…", line[..end].trim_end()),
+        None => line.to_owned(),
+    };
+    text.split('\n').map(short).collect::<Vec<_>>().join("\n")
+}
+
 /// A file's name and text.
 #[derive(Clone, Copy, Debug)]
 pub struct Source<'a> {
@@ -81,7 +94,7 @@ impl<'a> Source<'a> {
     pub fn parse<T: DeserializeOwned>(self, kind: &str) -> Result<T, Error> {
         toml::from_str(self.text).map_err(|error: toml::de::Error| {
             let hint = known_names::hint::<T>(self.text);
-            self.invalid(kind, format!("{}{hint}", error.to_string().trim_end()))
+            self.invalid(kind, format!("{}{hint}", short_lines(&error).trim_end()))
         })
     }
 
@@ -92,7 +105,7 @@ impl<'a> Source<'a> {
     pub fn table(self, kind: &str) -> Result<Spanned<DeTable<'a>>, Error> {
         DeTable::parse(self.text).map_err(|mut error| {
             error.set_input(Some(self.text));
-            self.invalid(kind, error)
+            self.invalid(kind, short_lines(&error))
         })
     }
 
@@ -122,12 +135,29 @@ impl<'a> Source<'a> {
 mod tests {
     use super::*;
     use crate::bounds::URDF;
+    use crate::error::words;
 
     #[test]
     fn closed_form_lines_are_counted_from_1() {
         let source = Source { file: "f", text: "a\nbü\n\nc" };
         assert_eq!([0, 1, 2, 4, 5, 6, 99].map(|byte| source.line(byte)), [1, 1, 2, 2, 2, 3, 4]);
         assert_eq!(source.place_at(2..3, "x").to_string(), "f:2: x");
+    }
+
+    #[test]
+    fn an_error_shows_no_line_of_any_length() {
+        for text in [format!("a = {}", "[".repeat(200_000)), format!("a = {} b", "1".repeat(200_000))] {
+            let source = Source { file: "f", text: &text };
+            let parsed = source.parse::<toml::Table>("file").unwrap_err();
+            for error in [parsed, source.table("file").unwrap_err()] {
+                let words = words(&error);
+                assert!(words.contains("line 1, column") && words.contains("a = "), "{words}");
+                assert!(words.len() < 3 * MAX_LINE && words.lines().count() > 3, "{}", words.len());
+            }
+        }
+        let source = Source { file: "f", text: "a = 1 b" };
+        let shown = words(&source.table("file").unwrap_err());
+        assert!(shown.contains("1 | a = 1 b\n") && !shown.contains('…'), "{shown}");
     }
 
     #[test]

@@ -1,10 +1,10 @@
 //! The exceptions, each with the message of the command line.
 
+pub use cocarry::error::words;
 use pyo3::create_exception;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::error::Error as StdError;
-use std::iter::successors;
 
 create_exception!(
     cocarry,
@@ -21,12 +21,6 @@ create_exception!(cocarry, SnapshotError, Error, "A snapshot that cannot be resu
 create_exception!(cocarry, RecordingError, Error, "A recording that cannot be read, written or drawn.");
 create_exception!(cocarry, StudyError, Error, "A study that is not valid.");
 create_exception!(cocarry, ClosedError, Error, "An object that is closed, in use, or of another process.");
-
-/// An error with its causes, in one line.
-pub fn words(error: &dyn StdError) -> String {
-    let chain = successors(Some(error), |error| (**error).source());
-    chain.map(ToString::to_string).collect::<Vec<_>>().join(": ")
-}
 
 /// The exception of type `E` with the error's message.
 pub fn raise<E>(error: &dyn StdError) -> PyErr

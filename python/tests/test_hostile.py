@@ -288,11 +288,9 @@ TABLES = """
 """
 
 KINDS = {"meshes": MESHES, "worlds": WORLDS, "recordings": RECORDINGS, "pickles": PICKLES, "tables": TABLES}
-# Known faults: this test fails as soon as they are mended.
-FAULTS = {"worlds": pytest.mark.xfail(strict=True, reason="an error of a TOML file shows its line, of any length")}
 
 
-@pytest.mark.parametrize("files", [pytest.param(files, id=kind, marks=FAULTS.get(kind, ())) for kind, files in KINDS.items()])
+@pytest.mark.parametrize("files", KINDS.values(), ids=KINDS)
 def test_hostile_files_never_end_the_interpreter(files, tmp_path):
     script = TRIED + textwrap.dedent(files) + 'print("ended", seen)\n'
     run = subprocess.run([sys.executable, "-X", "faulthandler", "-c", script, str(tmp_path)], capture_output=True, text=True, timeout=300)

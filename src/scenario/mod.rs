@@ -46,6 +46,7 @@ pub use word::{Word, one_of};
 use crate::episode::{self, PreferenceChange};
 use crate::error::Error;
 use crate::human::ModelName;
+use crate::located::short_lines;
 use crate::preference::{Belief, Perception};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -133,7 +134,7 @@ impl Scenario {
     /// The line, or the key and the value. World, robot and posture are checked by [`Scenario::prepare`].
     pub fn parse(text: &str) -> Result<Self, Error> {
         let scenario: Self =
-            toml::from_str(text).map_err(|e| Error::new("not a valid scenario").because(e))?;
+            toml::from_str(text).map_err(|e| Error::new("not a valid scenario").because(short_lines(&e)))?;
         scenario.check()?;
         Ok(scenario)
     }

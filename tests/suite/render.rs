@@ -1,6 +1,6 @@
 //! Recordings as pages and pictures: what `cocarry render` and `run --render` write, and what they refuse.
 
-use crate::support::{cocarry, repository, stderr, stdout};
+use crate::support::{cocarry, is_built_of, repository, stderr, stdout};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -351,17 +351,7 @@ fn a_moving_picture_shows_every_step_at_twice_the_speed_in_a_small_file() {
 
 #[test]
 fn the_page_that_ships_is_built_from_the_sources_that_ship() {
-    let page = std::fs::read_to_string(repository("assets/player.html")).unwrap();
-    let folder = repository("viewer");
-    let mut sources: Vec<String> =
-        ["build.mjs", "package-lock.json", "package.json"].map(str::to_owned).into();
-    let names = std::fs::read_dir(folder.join("src")).expect("viewer/src");
-    sources.extend(names.map(|entry| format!("src/{}", entry.unwrap().file_name().to_str().unwrap())));
-    sources.sort();
-    let mut digest = crc32fast::Hasher::new();
-    for name in sources {
-        digest.update(format!("{name}\n{}", std::fs::read_to_string(folder.join(&name)).unwrap()).as_bytes());
-    }
-    let digest = format!("<meta name=\"sources\" content=\"{:08x}\">", digest.finalize());
-    assert!(page.contains(&digest), "build it anew: cd viewer && npm ci && node build.mjs");
+    let is_built =
+        is_built_of("assets/player.html", "viewer", &["build.mjs", "package-lock.json", "package.json"]);
+    assert!(is_built, "build it anew: cd viewer && npm ci && node build.mjs");
 }

@@ -85,3 +85,18 @@ pub fn random_configuration(robot: &Robot, rng: &mut ChaCha8Rng) -> Configuratio
     }
     Configuration { base: PlanarPose { position, yaw: rng.random_range(-3.1..3.1) }, joints }
 }
+
+/// Whether a page has the digest of its sources: those in `src` of this folder, and `others`.
+pub fn is_built_of(page: &str, folder: &str, others: &[&str]) -> bool {
+    let page = std::fs::read_to_string(repository(page)).unwrap();
+    let folder = repository(folder);
+    let mut sources: Vec<String> = others.iter().map(|name| (*name).to_owned()).collect();
+    let names = std::fs::read_dir(folder.join("src")).expect("src");
+    sources.extend(names.map(|entry| format!("src/{}", entry.unwrap().file_name().to_str().unwrap())));
+    sources.sort();
+    let mut digest = crc32fast::Hasher::new();
+    for name in sources {
+        digest.update(format!("{name}\n{}", std::fs::read_to_string(folder.join(&name)).unwrap()).as_bytes());
+    }
+    page.contains(&format!("<meta name=\"sources\" content=\"{:08x}\">", digest.finalize()))
+}

@@ -1,4 +1,5 @@
-//! `cocarry replay LOG.json`: runs the episode of a log from the page again, and compares the digests of its state.
+//! `cocarry replay LOG.json`: runs the episode of a log from the page again, and compares the digests of its
+//! state.
 
 use super::output::{Failure, counted, input, print_verdict};
 use super::record::output;
@@ -61,8 +62,8 @@ pub(super) struct Replayed {
     pub option: String,
 }
 
-/// Runs the episode of a log, called `name` in errors, until it ends or differs; `record` is the recording to write, and
-/// whether it may replace a file.
+/// Runs the episode of a log, called `name` in errors, until it ends or differs; `record` is the recording to
+/// write, and whether it may replace a file.
 pub(super) fn replayed(
     log: &EpisodeLog,
     name: &str,

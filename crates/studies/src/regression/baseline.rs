@@ -2,8 +2,9 @@
 
 use super::{FORMAT, Figure, Figures, Tolerance, figure_names};
 use cocarry::Error;
+use cocarry::bounds;
 use cocarry::error::Place;
-use cocarry::{bounds, located};
+use cocarry::located::{self, short_lines};
 use std::path::Path;
 use toml_edit::{Document, DocumentMut, Item, Table};
 
@@ -65,7 +66,8 @@ impl Baseline {
     /// As [`Baseline::load`].
     pub fn parse(file: String, text: String) -> Result<Self, Error> {
         let located = located::Source { file: &file, text: &text };
-        let document = Document::parse(text.clone()).map_err(|error| located.invalid(KIND, error))?;
+        let document =
+            Document::parse(text.clone()).map_err(|error| located.invalid(KIND, short_lines(&error)))?;
         let mut source = BaselineSource { located, is_current: false };
         if let Some((key, _)) = document.iter().find(|(key, _)| !TOP.contains(key)) {
             return Err(source.unknown(document.as_table(), key, "the file", &TOP));
@@ -107,7 +109,10 @@ impl Baseline {
     /// None for a text that was read before.
     pub fn recorded(&self, figures: &[Figures]) -> Result<String, Error> {
         let source = located::Source { file: &self.file, text: &self.text };
-        let mut document: DocumentMut = self.text.parse().map_err(|error| source.invalid(KIND, error))?;
+        let mut document: DocumentMut = self
+            .text
+            .parse()
+            .map_err(|error: toml_edit::TomlError| source.invalid(KIND, short_lines(&error)))?;
         let Some(runs) = document.get_mut("run").and_then(Item::as_array_of_tables_mut) else {
             return Err(no_runs(&self.file));
         };

@@ -5,6 +5,7 @@ use super::file::Contents;
 use crate::table::text_cell;
 use cocarry::Error;
 use cocarry::episode::{Episode, Outcome};
+use cocarry::error::words;
 use cocarry::preference::Perception;
 use cocarry::quantities::{EPISODE, Heading, Kind, View};
 use cocarry::scenario::{self, PlantKind, PreparedScenario, SETTINGS, Scenario, Value};
@@ -185,17 +186,6 @@ fn not_begun(why: &str) -> Vec<String> {
         _ => "",
     };
     EPISODE.iter().map(|quantity| value(quantity.key).to_owned()).collect()
-}
-
-/// An error with its causes, in one line.
-fn words(error: &dyn std::error::Error) -> String {
-    let mut text = error.to_string();
-    let mut cause = error.source();
-    while let Some(error) = cause {
-        text += &format!(": {error}");
-        cause = error.source();
-    }
-    text
 }
 
 fn some(value: impl ToString) -> Option<String> {
