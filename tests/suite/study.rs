@@ -1,25 +1,15 @@
-//! `cocarry study` as a researcher uses it. What a participant does is tested in a browser: `viewer/test/people.mjs`.
+//! `cocarry study` as a researcher uses it. What a participant does is tested in a browser:
+//! `viewer/test/people.mjs`.
 
-use crate::support::repository;
+use crate::support::is_built_of;
 
 /// The page that the program has within is built from `viewer/people`.
 #[test]
 fn the_page_of_studies_that_ships_is_built_from_the_sources_that_ship() {
-    let page = std::fs::read_to_string(repository("assets/people/index.html")).unwrap();
-    let folder = repository("viewer/people");
     let others =
         ["build.mjs", "package-lock.json", "package.json", "../page/carry.js", "../../crates/web/cocarry.js"];
-    let mut sources = Vec::from(others.map(str::to_owned));
-    let names = std::fs::read_dir(folder.join("src")).expect("viewer/people/src");
-    sources.extend(names.map(|entry| format!("src/{}", entry.unwrap().file_name().to_str().unwrap())));
-    sources.sort();
-    let mut digest = crc32fast::Hasher::new();
-    for name in sources {
-        digest.update(format!("{name}\n{}", std::fs::read_to_string(folder.join(&name)).unwrap()).as_bytes());
-    }
-    let digest = format!("<meta name=\"sources\" content=\"{:08x}\">", digest.finalize());
     assert!(
-        page.contains(&digest),
+        is_built_of("assets/people/index.html", "viewer/people", &others),
         "build it anew: cd viewer && npm ci && cd people && npm ci && node build.mjs"
     );
 }

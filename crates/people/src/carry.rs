@@ -43,7 +43,8 @@ pub(crate) fn scenarios(study: &Study) -> Result<Vec<(String, String)>, Error> {
         .collect()
 }
 
-/// What the page draws the team with: the outline of the robot's base about its place, x ahead (m), and the colours.
+/// What the page draws the team with: the outline of the robot's base about its place, x ahead (m), and the
+/// colours.
 pub(crate) fn drawing() -> Result<Value, Error> {
     let corners: Vec<[f64; 2]> = match Robot::built_in()?.footprint {
         Footprint::Polygon(corners) => corners.iter().map(|corner| [corner.x, corner.y]).collect(),

@@ -20,7 +20,8 @@ struct Saved {
     chunks: Vec<(u32, u32, String)>,
 }
 
-/// Adds the file of a participant to a store. The same one again changes nothing. Whoever saved a file is finished.
+/// Adds the file of a participant to a store. The same one again changes nothing. Whoever saved a file is
+/// finished.
 ///
 /// # Errors
 /// The file is not one of the page, or of another study; the store refuses it.

@@ -5,8 +5,8 @@
 //! study file -> Study -> Site -> page -> chunks -> Store -> Collected -> answers.csv, switches.csv, ...
 //! ```
 //!
-//! What a participant sees and answers is measured on a page: choices and timing, not forces. A mouse is not a beam in
-//! the hands.
+//! What a participant sees and answers is measured on a page: choices and timing, not forces. A mouse is not
+//! a beam in the hands.
 
 mod carry;
 mod collect;
@@ -21,7 +21,7 @@ mod study;
 mod walk;
 
 pub use carry::carry_scenario;
-pub use collect::{Collected, CollectedCarry, collect};
+pub use collect::{Collected, CollectedCarry, carries_table, collect};
 pub use import::add_file;
 pub use order::{Trial, orders};
 pub use server::{Serving, serve};

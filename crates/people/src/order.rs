@@ -51,8 +51,8 @@ pub enum Trial {
     },
 }
 
-/// The orders of `count` items by which every item comes equally often at every place, and equally often directly
-/// after every other (Williams). An odd number needs the mirrored orders too.
+/// The orders of `count` items by which every item comes equally often at every place, and equally often
+/// directly after every other (Williams). An odd number needs the mirrored orders too.
 fn latin_square(count: usize) -> Vec<Vec<usize>> {
     // 0, 1, n - 1, 2, n - 2, ...
     let first: Vec<usize> =
@@ -64,9 +64,8 @@ fn latin_square(count: usize) -> Vec<Vec<usize>> {
     rows.into_iter().chain(mirrored).collect()
 }
 
-/// The pages of participants, one list for each row of the Latin square: participant i sees row i modulo their number.
-/// The options of a world, and the
-/// robot's methods in it, begin with another one in each row.
+/// The pages of participants, one list for each row of the Latin square: participant i sees row i modulo their
+/// number. The options of a world, and the robot's methods in it, begin with another one in each row.
 pub fn orders(study: &Study) -> Vec<Vec<Trial>> {
     // the practice world is the last one
     let count = study.measured_worlds();

@@ -1,7 +1,7 @@
 //! The server of a study: the page, and what participants send.
 //!
-//! It listens where it is told, for browsers that name one of its hosts, and takes requests of its own pages alone. What it
-//! does not know of participants it cannot store: it looks at no network address.
+//! It listens where it is told, for browsers that name one of its hosts, and takes requests of its own pages
+//! alone. What it does not know of participants it cannot store: it looks at no network address.
 
 use crate::site::Site;
 use crate::store::{Begin, Chunk, MAX_CHUNK_BYTES, Put, Refusal, Store, StoreError};
@@ -13,6 +13,7 @@ use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, Uri};
 use axum::middleware::{Next, from_fn_with_state};
 use axum::response::Response;
 use axum::routing::{post, put};
+use cocarry::error::words;
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::collections::VecDeque;
@@ -51,7 +52,7 @@ pub struct Serving {
     pub store: Store,
     /// The largest number of participants.
     pub participants: u64,
-    /// The code of the end; without it each participant gets one of their own.
+    /// The completion code; without it each participant gets one of their own.
     pub code: Option<String>,
     /// The hosts by which browsers may ask, as in `127.0.0.1:8791`.
     pub hosts: Vec<String>,
@@ -102,7 +103,8 @@ fn router(app: Arc<App>) -> Router {
         .with_state(app)
 }
 
-/// Refuses requests by other hosts' names (DNS rebinding) and those of other pages, and adds the headers of all answers.
+/// Refuses requests by other hosts' names (DNS rebinding) and those of other pages, and adds the headers of
+/// all answers.
 async fn guard(State(app): State<Arc<App>>, request: Request, next: Next) -> Response {
     let mut response = match foreign(&app, request.headers()) {
         Some(refused) => refused,
@@ -241,22 +243,11 @@ async fn stored(
         Ok(Ok(value)) => response(StatusCode::OK, "application/json", Body::from(value.to_string())),
         Ok(Err(StoreError::Refused(refusal))) => refused(&refusal),
         Ok(Err(error)) => {
-            eprintln!("error: {}", chain(&error));
+            eprintln!("error: {}", words(&error));
             sentence(StatusCode::INTERNAL_SERVER_ERROR, "store", "the server cannot store anything just now")
         }
         Err(_) => sentence(StatusCode::INTERNAL_SERVER_ERROR, "server", "the server stopped at a fault"),
     }
-}
-
-/// An error with its causes.
-fn chain(error: &dyn std::error::Error) -> String {
-    let mut text = error.to_string();
-    let mut cause = error.source();
-    while let Some(error) = cause {
-        text += &format!(": {error}");
-        cause = error.source();
-    }
-    text
 }
 
 fn refused(refusal: &Refusal) -> Response {
@@ -268,6 +259,7 @@ fn refused(refusal: &Refusal) -> Response {
         Refusal::Finished => (StatusCode::CONFLICT, "finished"),
         Refusal::TooMuch => (StatusCode::PAYLOAD_TOO_LARGE, "too-much"),
         Refusal::Full => (StatusCode::GONE, "full"),
+        Refusal::Changed => (StatusCode::CONFLICT, "changed"),
         Refusal::BegunBefore => (StatusCode::CONFLICT, "begun-before"),
         Refusal::NotWhole => (StatusCode::CONFLICT, "not-whole"),
     };

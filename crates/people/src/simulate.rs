@@ -6,20 +6,18 @@ use crate::store::{Begin, Chunk, Store, StoreError, whole_digest};
 use crate::study::{ScaleKind, Study, StudyWorld};
 use cocarry::coordination;
 use cocarry::episode::Settings;
-use cocarry::learning::discomfort_limit;
-use cocarry::math;
+use cocarry::learning::{TolerancePrior, discomfort_limit};
 use cocarry::preference::{Marginal, Perception, RISK_WEIGHT, human_choice};
 use cocarry_studies::fit::Guidance;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
-use std::f64::consts::TAU;
 
-/// The population of `docs/data/simulated-answers.csv`: mean and standard deviation of alpha and gamma on the belief's
-/// ranges, median of eta and the factor of its standard deviation.
+/// The population of `docs/data/simulated-answers.csv`: mean and standard deviation of alpha and gamma on the
+/// belief's ranges. eta has the prior of a robot that learns: median 10.5, and a factor of 1.65 for its
+/// standard deviation.
 const ALPHA: [f64; 4] = [0.68, 0.08, 0.55, 0.95];
 const GAMMA: [f64; 4] = [0.85, 0.15, 0.5, 1.1];
-const ETA: [f64; 2] = [10.5, 1.65];
 /// The probability of an answer that says nothing.
 const LAPSE_RATE: f64 = 0.05;
 
@@ -55,7 +53,7 @@ pub fn simulate(
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(person);
         let perception = Perception { alpha: alpha.sample(&mut rng), gamma: gamma.sample(&mut rng) };
-        let eta = math::exp(math::ln(ETA[0]) + math::ln(ETA[1]) * normal(&mut rng));
+        let eta = TolerancePrior::default().sample(&mut rng);
         let key = sha256(format!("simulated {seed} {person}").as_bytes());
         let begin = Begin { key: &key, platform_ids: &[], study: digest, participants: count, now: 0 };
         let session = store.begin(&begin)?;
@@ -75,12 +73,6 @@ pub fn simulate(
         truths.push(Truth { participant: session.participant, perception, eta });
     }
     Ok(truths)
-}
-
-/// A standard normal number, by Box and Muller.
-fn normal(rng: &mut ChaCha8Rng) -> f64 {
-    let [u, v]: [f64; 2] = rng.random();
-    (-2.0 * math::ln_1p(-u)).sqrt() * math::cos(TAU * v)
 }
 
 /// What the page would record at the end of a trial. Simulated participants do not carry.

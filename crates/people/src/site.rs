@@ -50,8 +50,8 @@ pub struct Site {
 }
 
 impl Site {
-    /// The page of a study. Equal studies give equal bytes. `module` is the simulator as a WebAssembly module, which a page
-    /// needs on which people carry.
+    /// The page of a study. Equal studies give equal bytes. `module` is the simulator as a WebAssembly
+    /// module, which a page needs on which people carry.
     ///
     /// # Errors
     /// The scenario of a carry cannot be written.
@@ -106,8 +106,8 @@ fn map_file(world: usize) -> String {
     format!("maps/{}.svg", world + 1)
 }
 
-/// What the page knows. It has no risk, no length, no code of the end, and no answer of anybody; it does have the right
-/// answers of questions.
+/// What the page knows. It has no risk, no length, no completion code, and no answer of anybody; it does have
+/// the right answers of questions.
 fn content(study: &Study, shots: &[Shots]) -> Result<Value, Error> {
     let world = |(at, (world, shots)): (usize, (&StudyWorld, &Shots))| {
         let mut value = json!(shots);

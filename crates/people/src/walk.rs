@@ -49,8 +49,9 @@ pub struct LedWalk {
 }
 
 impl Shots {
-    /// What is shown of a world. The team is a point that walks along the option's path, which is the walk that
-    /// `cocarry fit eta` takes: a step that was recorded is a step of its g(k). It is drawn as bodies around the object.
+    /// What is shown of a world. The team is a point that walks along the option's path, which is the walk
+    /// that `cocarry fit eta` takes: a step that was recorded is a step of its g(k). It is drawn as bodies
+    /// around the object.
     pub fn of(world: &StudyWorld, shows_openings: bool) -> Self {
         let shown = Shown { openings: shows_openings, options: true };
         let stimulus = Stimulus::new(&world.world, &world.set, shown, WIDTH, Letters::Text);

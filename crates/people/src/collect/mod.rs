@@ -1,4 +1,5 @@
-//! The tables of a study: what `cocarry fit` and `cocarry infer` read, who took part, and what every column means.
+//! The tables of a study: what `cocarry fit` and `cocarry infer` read, who took part, and what every column
+//! means.
 
 mod tables;
 #[cfg(test)]
@@ -14,6 +15,7 @@ use cocarry_studies::fit::Guidance;
 use serde::Deserialize;
 use serde_json::Value;
 use std::collections::BTreeSet;
+pub use tables::carries_table;
 use tables::{ANSWERS, PARTICIPANTS, RESPONSES, SWITCHES, Table, dictionary, readme};
 
 /// A percentage above which an answer for an option that is both longer and riskier than another is flagged.

@@ -59,7 +59,7 @@ pub(super) const RESPONSES: [Column; 5] = [
     ("right", "", "whether the answer of a question is right"),
 ];
 
-/// The table that the program writes when it has run the carries again.
+/// The episodes in which participants carried, run again.
 const CARRIES: [Column; 11] = [
     PARTICIPANT,
     WORLD,
@@ -103,6 +103,14 @@ impl Table {
         let bytes = self.writer.into_inner().expect("a table in memory is always written");
         (self.name.to_owned(), bytes)
     }
+}
+
+/// The table of carries, whose episodes have been run again: its name and contents. A row has the cells of the
+/// dictionary's columns.
+pub fn carries_table(rows: impl IntoIterator<Item = [String; CARRIES.len()]>) -> (String, Vec<u8>) {
+    let mut table = Table::new("carries.csv", &CARRIES);
+    rows.into_iter().for_each(|row| table.row(row.into()));
+    table.finish()
 }
 
 /// What every column means.

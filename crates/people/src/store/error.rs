@@ -53,6 +53,9 @@ pub enum Refusal {
     /// The person has begun before, with another key.
     #[error("you have begun this study already, in another browser or window; go on there")]
     BegunBefore,
+    /// The person has begun before, with another version of the study.
+    #[error("the study has changed since you began it; please tell those who run it")]
+    Changed,
     /// What the session has is not what the digest says.
     #[error("not everything has arrived")]
     NotWhole,

@@ -30,8 +30,8 @@ impl Store {
         statement.query_map([id], |row| row.get(0))?.collect()
     }
 
-    /// Removes a person, given by pseudonym or by an identity of a platform, with all that they answered. Afterwards the
-    /// files of the store are searched for what identified the person.
+    /// Removes a person, given by pseudonym or by an identity of a platform, with all that they answered.
+    /// Afterwards the files of the store are searched for what identified the person.
     ///
     /// # Errors
     /// Nobody or more than one is known by this name; the file cannot be written, or still has a trace.
@@ -44,7 +44,7 @@ impl Store {
             [one] => one.clone(),
             [] => {
                 return Err(refused(format!(
-                    "nobody is known as `{id}`; give the number of a participant, or the identity of a platform"
+                    "nobody is known as `{id}`; give the number of a participant, or the id of a recruiting platform"
                 )));
             }
             many => {
@@ -82,8 +82,8 @@ impl Store {
     fn traces(&self, participant: &str) -> rusqlite::Result<Vec<String>> {
         let of_key = "SELECT key_sha256 FROM sessions WHERE participant = ?1";
         let key: String = self.connection.query_row(of_key, [participant], |row| row.get(0))?;
-        // an identity that several people share, such as the platform's name of the study, identifies nobody, and a shorter
-        // one is found by chance
+        // an identity that several people share, such as the platform's name of the study, identifies nobody,
+        // and a shorter one is found by chance
         let mut statement = self.connection.prepare(
             "SELECT value FROM platform_ids AS own WHERE participant = ?1 AND NOT EXISTS
              (SELECT 1 FROM platform_ids WHERE value = own.value AND participant <> ?1)",
@@ -109,8 +109,8 @@ impl Store {
                     return Err(StoreError::File { file, sentence: format!("cannot be searched: {error}") });
                 }
             };
-            let has = |trace: &&String| bytes.windows(trace.len()).any(|part| part == trace.as_bytes());
-            if traces.iter().find(has).is_some() {
+            let has = |trace: &String| bytes.windows(trace.len()).any(|part| part == trace.as_bytes());
+            if traces.iter().any(has) {
                 let sentence =
                     "the rows are removed, but the file still has a trace; stop the server and try again";
                 return Err(StoreError::File { file, sentence: sentence.to_owned() });

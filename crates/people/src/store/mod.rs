@@ -1,8 +1,8 @@
 //! The store of what participants answer: one SQLite file beside the study.
 //!
-//! A chunk that was acknowledged is on the disk: the journal is a write-ahead log, and every transaction is synced
-//! (`synchronous = FULL`). A chunk has a key, (session, trial, number): the same one again changes nothing, and another
-//! one with its key is refused. No network address is stored.
+//! A chunk that was acknowledged is on the disk: the journal is a write-ahead log, and every transaction is
+//! synced (`synchronous = FULL`). A chunk has a key, (session, trial, number): the same one again changes
+//! nothing, and another one with its key is refused. No network address is stored.
 
 mod error;
 mod forget;
@@ -33,7 +33,8 @@ const PATIENCE: Duration = Duration::from_secs(10);
 const PSEUDONYM_DIGITS: usize = 12;
 const CODE_DIGITS: usize = 8;
 
-/// The changes of the tables, from an empty file on. The version of a file is the number of those that it has had.
+/// The changes of the tables, from an empty file on. The version of a file is the number of those that it has
+/// had.
 const MIGRATIONS: [&str; 1] = ["
     CREATE TABLE study (one INTEGER PRIMARY KEY CHECK (one = 1), secret BLOB NOT NULL) STRICT;
     -- place: the participant's number from 0, which gives the order of the worlds; times: seconds since 1970
@@ -194,11 +195,11 @@ impl Store {
         transaction.commit().map_err(failed)
     }
 
-    /// Begins a session, or finds the one that has begun with this key: in a transaction, so that no two participants get
-    /// one number.
+    /// Begins a session, or finds the one that has begun with this key: in a transaction, so that no two
+    /// participants get one number.
     ///
     /// # Errors
-    /// [`Refusal::Form`], [`Refusal::Full`], [`Refusal::BegunBefore`].
+    /// [`Refusal::Form`], [`Refusal::Full`], [`Refusal::BegunBefore`], [`Refusal::Changed`].
     pub fn begin(&mut self, begin: &Begin) -> Result<Session, StoreError> {
         if !is_digest(begin.key) {
             return Err(Refusal::Form("the key must be 64 hexadecimal digits").into());
@@ -230,19 +231,25 @@ impl Store {
         if let Some(known) = known {
             return Ok(known);
         }
-        let counts = transaction
-            .query_row(
-                "SELECT count(*), coalesce(max(place) + 1, 0), total(participant = ?1) FROM sessions",
-                [&pseudonym],
-                |row| Ok((unsigned(row.get(0)?), row.get::<_, i64>(1)?, row.get::<_, f64>(2)? > 0.0)),
-            )
+        let begun_with: Option<String> = transaction
+            .query_row("SELECT study_sha256 FROM sessions WHERE participant = ?1", [&pseudonym], |row| {
+                row.get(0)
+            })
+            .optional()
             .map_err(failed)?;
-        match counts {
-            (_, _, true) => return Err(Refusal::BegunBefore.into()),
-            (count, ..) if count >= begin.participants => return Err(Refusal::Full.into()),
-            _ => {}
+        match begun_with {
+            Some(study) if study == begin.study => return Err(Refusal::BegunBefore.into()),
+            Some(_) => return Err(Refusal::Changed.into()),
+            None => {}
         }
-        let place = counts.1;
+        let (count, place) = transaction
+            .query_row("SELECT count(*), coalesce(max(place) + 1, 0) FROM sessions", [], |row| {
+                Ok((unsigned(row.get(0)?), row.get::<_, i64>(1)?))
+            })
+            .map_err(failed)?;
+        if count >= begin.participants {
+            return Err(Refusal::Full.into());
+        }
         let insert = || -> rusqlite::Result<()> {
             transaction.execute(
                 "INSERT INTO sessions (participant, key_sha256, place, study_sha256, begun) VALUES (?1, ?2, ?3, ?4, ?5)",
@@ -303,7 +310,7 @@ impl Store {
         }
         let (count, bytes): (i64, i64) = transaction
             .query_row(
-                "SELECT count(*), coalesce(sum(length(CAST(body AS BLOB))), 0) FROM chunks WHERE participant = ?1",
+                "SELECT count(*), coalesce(sum(octet_length(body)), 0) FROM chunks WHERE participant = ?1",
                 [&participant],
                 |row| Ok((row.get(0)?, row.get(1)?)),
             )
@@ -331,8 +338,9 @@ impl Store {
         listed(&self.connection, &participant).map_err(failed)
     }
 
-    /// Ends the session with this key, if it has all that the digest says: the SHA-256 of a line `TRIAL NUMBER SHA256` for
-    /// every chunk, in the order of the numbers. Returns the participant's code, `code` if it is given.
+    /// Ends the session with this key, if it has all that the digest says: the SHA-256 of a line `TRIAL
+    /// NUMBER SHA256` for every chunk, in the order of the numbers. Returns the participant's code, `code` if
+    /// it is given.
     ///
     /// # Errors
     /// [`Refusal::Unknown`], [`Refusal::NotWhole`].

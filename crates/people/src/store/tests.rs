@@ -34,6 +34,10 @@ fn a_session_begins_once_and_numbers_are_allotted_in_order() {
     assert_eq!(second.place, 1);
     // the same person with another key
     assert_eq!(refusal(store.begin(&begin(&key(3), &anna))), Refusal::BegunBefore);
+    // and the study is another one by now
+    let key_3 = key(3);
+    let changed = Begin { study: "study, corrected", ..begin(&key_3, &anna) };
+    assert_eq!(refusal(store.begin(&changed)), Refusal::Changed);
     assert_eq!(store.begin(&begin(&key(3), &[])).unwrap().place, 2);
     assert_eq!(refusal(store.begin(&begin(&key(4), &[]))), Refusal::Full);
     assert!(matches!(refusal(store.begin(&begin("short", &[]))), Refusal::Form(_)));

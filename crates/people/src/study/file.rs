@@ -16,6 +16,7 @@ use toml::Spanned;
 const MAX_ITEMS: usize = 24;
 /// The longest text of a page, characters.
 const MAX_TEXT: usize = 20_000;
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct StudyText {

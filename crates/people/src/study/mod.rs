@@ -95,8 +95,8 @@ pub struct StudyWorld {
 }
 
 impl StudyWorld {
-    /// Whether an option is both longer and riskier than another one: whatever alpha and gamma a person has, eq. (2) never
-    /// prefers it.
+    /// Whether an option is both longer and riskier than another one: whatever alpha and gamma a person has,
+    /// eq. (2) never prefers it.
     pub fn is_dominated(&self, option: usize) -> bool {
         let Prospect { length, risk, .. } = self.prospects[option];
         self.prospects.iter().any(|other| other.length < length && other.risk < risk)

@@ -2,6 +2,7 @@
 
 use super::*;
 use cocarry::Error;
+use cocarry::error::words;
 
 fn read(text: &str) -> Result<Study, Error> {
     let folder = tempfile::tempdir().unwrap();
@@ -35,12 +36,7 @@ fn an_error_has_its_place_its_value_and_what_would_be_right() {
     ] {
         assert!(TEMPLATE.contains(right), "{right}");
         let error = read(&TEMPLATE.replacen(right, wrong, 1)).unwrap_err();
-        let mut text = error.to_string();
-        let mut cause = std::error::Error::source(&error);
-        while let Some(error) = cause {
-            text += &format!(": {error}");
-            cause = error.source();
-        }
+        let text = words(&error);
         assert!(text.contains("study.toml") && said.iter().all(|part| text.contains(part)), "{text}");
     }
 }

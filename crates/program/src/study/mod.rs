@@ -42,9 +42,9 @@ pub(super) struct StudyArguments {
 
 /// Write the page of a study as plain files, for any web host
 ///
-/// Without a server, the answers are in the participant's browser, and the last page saves them as a file, which the
-/// participant hands over: `cocarry study collect --add FILE` reads it. There is no code of the end, since nothing on
-/// such a page is secret.
+/// Without a server, the answers are in the participant's browser, and the last page saves them as a file,
+/// which the participant hands over: `cocarry study collect --add FILE` reads it. There is no completion
+/// code, since nothing on such a page is secret.
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[("cocarry study build carrying/study.toml -o site", "the page, in the new folder site")]))]
 pub(super) struct BuildArguments {
@@ -62,16 +62,17 @@ pub(super) struct BuildArguments {
 /// Where the simulator for the page is.
 #[derive(Args, Debug)]
 pub(super) struct ModuleArguments {
-    /// For the task `carry`: the folder with cocarry.wasm, as `crates/web/build` makes it [default: what a program with
-    /// the feature `page` has within, or the folder in a clone of the project]
+    /// For the task `carry`: the folder with cocarry.wasm, as `crates/web/build` makes it [default: what a
+    /// program with the feature `page` has within, or the folder in a clone of the project]
     #[arg(long, value_name = "FOLDER")]
     page: Option<PathBuf>,
 }
 
 /// Serve a study, and keep what participants answer in a database beside the study file
 ///
-/// The server listens at this computer's own address alone, and has no encryption. To be reached from elsewhere it needs
-/// a proxy on this computer that has (nginx, Caddy), which passes the host's name on; `--public` says that name.
+/// The server listens at this computer's own address alone, and has no encryption. To be reached from
+/// elsewhere it needs a proxy with encryption on this computer (nginx, Caddy), which passes the host's name on;
+/// `--public` says that name.
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
     ("cocarry study serve carrying/study.toml", "for a browser on this computer; Ctrl-C ends it"),
@@ -83,7 +84,8 @@ pub(super) struct ServeArguments {
     /// Serve at this port of this computer; 0 takes a free one
     #[arg(long, value_name = "PORT", default_value_t = 8791)]
     port: u16,
-    /// Also take requests that a proxy on this computer passes on from this address, such as https://study.example.org
+    /// Also take requests that a proxy on this computer passes on from this address, such as
+    /// https://study.example.org
     #[arg(long, value_name = "ADDRESS", value_parser = public)]
     public: Option<String>,
     #[command(flatten)]
@@ -92,10 +94,10 @@ pub(super) struct ServeArguments {
 
 /// Write the answers of a study as tables for `cocarry fit`, `cocarry infer` and others
 ///
-/// The folder gets answers.csv, switches.csv, participants.csv, responses.csv, dictionary.csv with the meaning of every
-/// column, README.md, and the world files that are not built in; of the task `carry` also carries.csv and a recording of each
-/// episode, which is run again and compared with the page's, second by second. Who did not finish is left out, and what does not fit
-/// the study; the program prints it.
+/// The folder gets answers.csv, switches.csv, participants.csv, responses.csv, dictionary.csv with the
+/// meaning of every column, README.md, and the world files that are not built in; of the task `carry` also
+/// carries.csv and a recording of each episode, which is run again and compared with the page's, second by
+/// second. Who did not finish is left out, and what does not fit the study; the program prints it.
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
     ("cocarry study collect carrying/study.toml -o answers", "then: cocarry infer answers/answers.csv answers/switches.csv"),
@@ -133,8 +135,9 @@ pub(super) struct ForgetArguments {
 
 /// Let simulated participants answer a study, in a database of their own
 ///
-/// alpha, gamma and eta are drawn as for docs/data/simulated-answers.csv. A participant gives 100 % to the option that
-/// eq. (3) chooses (5 % of the answers say nothing), and stops following where phi(k) of eq. (5) exceeds 1.
+/// alpha, gamma and eta are drawn as for docs/data/simulated-answers.csv. A participant gives 100 % to the
+/// option that eq. (3) chooses (5 % of the answers say nothing), and stops following where phi(k) of eq. (5)
+/// exceeds 1.
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
     ("cocarry study simulate study.toml --participants 40 --truth truth.csv", ""),

@@ -10,11 +10,11 @@ use crate::interrupt::Interrupt;
 use crate::output::{Failure, OverwriteArguments, counted, input, print, print_verdict, warn, write_file};
 use crate::replay_log::{Replayed, replayed};
 use anyhow::{Context, anyhow};
-use cocarry::episode::Outcome;
+use cocarry::episode::{Outcome, Settings};
 use cocarry::suggestion::shell_word;
 use cocarry_people::{
     CollectedCarry, Refusal, Serving, Sink, Site, Store, StoreError, Study, TEMPLATE, Task, add_file,
-    collect, orders, serve, simulate,
+    carries_table, collect, orders, serve, simulate,
 };
 use std::fmt::Write;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
@@ -94,7 +94,7 @@ fn run_check(file: &Path) -> Result<(), Failure> {
     );
     let walks: Vec<f64> = study.worlds[..study.measured_worlds()]
         .iter()
-        .flat_map(|world| world.prospects.iter().map(|prospect| prospect.length / 0.5))
+        .flat_map(|world| world.prospects.iter().map(|prospect| prospect.length / Settings::default().speed))
         .collect();
     let mut seconds = TEXT_S * (1 + study.tasks.len() + study.questions.len() + study.scales.len()) as f64;
     for task in &study.tasks {
@@ -240,53 +240,37 @@ fn replay_carries(
     }
     let recordings = folder.join("carries");
     made(&recordings)?;
-    let mut table = csv::Writer::from_writer(Vec::new());
+    let mut rows = Vec::new();
     for carry in carries {
         let name = format!("{}-{}.mcap", carry.participant, carry.page);
         let file = recordings.join(&name);
         overwrite.outputs([], [&file])?;
         let done = replayed(&carry.log, &name, Some((&file, overwrite.overwrite)))?;
         let Replayed { same, difference, seconds, outcome, human_led_from, option, .. } = done;
-        let differs_after = difference.as_ref().map(|_| seconds);
+        let time = |seconds: f64| format!("{seconds:.2}");
+        let differs_within = difference.as_ref().map(|_| time(seconds));
         if let Some(difference) = difference {
             warn(&format_args!(
                 "{name}: differs within {seconds:.1} s, after {}: {difference}",
                 counted(same, "equal digest")
             ));
         }
-        let row = CarryRow {
-            participant: &carry.participant,
-            world: &carry.world,
-            method: &carry.method,
-            recording: format!("carries/{name}"),
-            outcome: outcome.map_or("", Outcome::name),
+        rows.push([
+            carry.participant.clone(),
+            carry.world.clone(),
+            carry.method.clone(),
+            format!("carries/{name}"),
+            outcome.map_or("", Outcome::name).to_owned(),
             option,
-            duration_s: format!("{seconds:.2}"),
-            human_led_from_s: human_led_from.map(|time| format!("{time:.2}")),
-            differs_within_s: differs_after.map(|time| format!("{time:.2}")),
-            stalls: carry.stalls,
-            behind_clock_s: carry.lost,
-        };
-        table.serialize(row).expect("a table in memory is always written");
+            time(seconds),
+            human_led_from.map_or(String::new(), time),
+            differs_within.unwrap_or_default(),
+            carry.stalls.to_string(),
+            carry.lost.to_string(),
+        ]);
     }
-    let rows = table.into_inner().expect("a table in memory is always written");
-    write_all(overwrite, &[(folder.join("carries.csv"), rows)])
-}
-
-/// A row of the table of carries.
-#[derive(serde::Serialize)]
-struct CarryRow<'a> {
-    participant: &'a str,
-    world: &'a str,
-    method: &'a str,
-    recording: String,
-    outcome: &'a str,
-    option: String,
-    duration_s: String,
-    human_led_from_s: Option<String>,
-    differs_within_s: Option<String>,
-    stalls: u64,
-    behind_clock_s: f64,
+    let (name, table) = carries_table(rows);
+    write_all(overwrite, &[(folder.join(name), table)])
 }
 
 fn run_forget(ForgetArguments { study, id }: &ForgetArguments) -> Result<(), Failure> {
