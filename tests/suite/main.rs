@@ -58,6 +58,7 @@ mod spoiled_robot;
 mod starting;
 mod stimuli;
 mod study;
+mod study_server;
 mod suggestions;
 mod support;
 mod sweeps;

@@ -6,7 +6,8 @@ use std::fmt::Write;
 /// The number of hexadecimal digits of a digest.
 pub(crate) const DIGITS: usize = 64;
 
-fn hex(bytes: &[u8]) -> String {
+/// Bytes as hexadecimal digits.
+pub(crate) fn hex(bytes: &[u8]) -> String {
     let mut text = String::with_capacity(2 * bytes.len());
     for byte in bytes {
         // writing to a text does not fail

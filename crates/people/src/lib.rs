@@ -11,6 +11,8 @@
 mod carry;
 mod collect;
 mod digest;
+mod ethics;
+mod html;
 mod import;
 mod order;
 mod server;
@@ -22,9 +24,10 @@ mod walk;
 
 pub use carry::carry_scenario;
 pub use collect::{Collected, CollectedCarry, carries_table, collect};
+pub use ethics::ethics_page;
 pub use import::add_file;
 pub use order::{Trial, orders};
-pub use server::{Serving, serve};
+pub use server::{Admin, Serving, serve, token};
 pub use simulate::{Truth, simulate};
 pub use site::{Sink, Site, SiteFile};
 pub use store::{Begin, Chunk, Forgotten, Put, Refusal, Session, Store, StoreError, StoredSession};

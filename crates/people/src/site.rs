@@ -92,13 +92,6 @@ impl Site {
         let files = client.chain(maps).chain(scenarios).chain(module).chain([study]);
         Ok(Self { files: files.collect(), digest })
     }
-
-    /// The file at the path of a request, such as `/study.js`.
-    pub fn get(&self, path: &str) -> Option<&SiteFile> {
-        let name = path.strip_prefix('/')?;
-        let name = if name.is_empty() { "index.html" } else { name };
-        self.files.iter().find(|file| file.name == name)
-    }
 }
 
 /// The file of the map of a world, by its index.

@@ -6,15 +6,18 @@
 
 mod error;
 mod forget;
+mod progress;
 #[cfg(test)]
 mod tests;
+mod write;
 
 pub use error::{Refusal, StoreError};
 pub use forget::Forgotten;
+pub(crate) use progress::Progress;
+pub(crate) use write::{Fault, Writing};
 
-use crate::digest::{is_digest, keyed, sha256};
-use crate::study::is_word;
-use rusqlite::{Connection, OptionalExtension, TransactionBehavior, params};
+use crate::digest::sha256;
+use rusqlite::{Connection, OptionalExtension, TransactionBehavior};
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -22,7 +25,7 @@ use std::time::Duration;
 /// The longest chunk, bytes.
 pub const MAX_CHUNK_BYTES: usize = 1 << 20;
 /// The largest number of bytes of a session.
-const MAX_SESSION_BYTES: i64 = 32 << 20;
+pub(crate) const MAX_SESSION_BYTES: i64 = 32 << 20;
 /// The largest number of chunks of a session.
 const MAX_CHUNKS: i64 = 20_000;
 /// The largest number of a trial, and of a chunk in it.
@@ -33,9 +36,13 @@ const PATIENCE: Duration = Duration::from_secs(10);
 const PSEUDONYM_DIGITS: usize = 12;
 const CODE_DIGITS: usize = 8;
 
+/// Times in UTC, for `strftime`.
+const TIME: &str = "'%Y-%m-%dT%H:%M:%SZ'";
+
 /// The changes of the tables, from an empty file on. The version of a file is the number of those that it has
 /// had.
-const MIGRATIONS: [&str; 1] = ["
+const MIGRATIONS: [&str; 2] = [
+    "
     CREATE TABLE study (one INTEGER PRIMARY KEY CHECK (one = 1), secret BLOB NOT NULL) STRICT;
     -- place: the participant's number from 0, which gives the order of the worlds; times: seconds since 1970
     CREATE TABLE sessions (
@@ -52,7 +59,15 @@ const MIGRATIONS: [&str; 1] = ["
         trial INTEGER NOT NULL, number INTEGER NOT NULL, sha256 TEXT NOT NULL, received INTEGER NOT NULL,
         body TEXT NOT NULL, UNIQUE (participant, trial, number)
     ) STRICT;
-"];
+",
+    "
+    -- the number of a session's chunks and their bytes, which bound it
+    ALTER TABLE sessions ADD COLUMN chunks INTEGER NOT NULL DEFAULT 0;
+    ALTER TABLE sessions ADD COLUMN bytes INTEGER NOT NULL DEFAULT 0;
+    UPDATE sessions SET (chunks, bytes) = (SELECT count(*), coalesce(sum(octet_length(body)), 0)
+        FROM chunks WHERE chunks.participant = sessions.participant);
+",
+];
 
 /// A request for a session.
 #[derive(Clone, Debug)]
@@ -195,195 +210,24 @@ impl Store {
         transaction.commit().map_err(failed)
     }
 
-    /// Begins a session, or finds the one that has begun with this key: in a transaction, so that no two
-    /// participants get one number.
-    ///
-    /// # Errors
-    /// [`Refusal::Form`], [`Refusal::Full`], [`Refusal::BegunBefore`], [`Refusal::Changed`].
-    pub fn begin(&mut self, begin: &Begin) -> Result<Session, StoreError> {
-        if !is_digest(begin.key) {
-            return Err(Refusal::Form("the key must be 64 hexadecimal digits").into());
-        }
-        let is_plain = |(name, value): &(String, String)| is_word(name) && is_word(value);
-        if begin.platform_ids.len() > 24 || !begin.platform_ids.iter().all(is_plain) {
-            return Err(
-                Refusal::Form("names and values of a platform must be letters, digits, - and _").into()
-            );
-        }
-        let key_sha256 = sha256(begin.key.as_bytes());
-        let identity = match begin.platform_ids.first() {
-            Some((name, value)) => format!("platform {name} {value}"),
-            None => format!("session {key_sha256}"),
-        };
-        let pseudonym = format!("p{}", &keyed(&self.secret, &identity)[..PSEUDONYM_DIGITS]);
-        let file = self.file.clone();
-        let failed = |source| StoreError::Database { file: file.clone(), source };
-        let begun = self.connection.transaction_with_behavior(TransactionBehavior::Immediate);
-        let transaction = begun.map_err(failed)?;
-        let known = transaction
-            .query_row(
-                "SELECT participant, place FROM sessions WHERE key_sha256 = ?1",
-                [&key_sha256],
-                |row| Ok(Session { participant: row.get(0)?, place: unsigned(row.get(1)?) }),
-            )
-            .optional()
-            .map_err(failed)?;
-        if let Some(known) = known {
-            return Ok(known);
-        }
-        let begun_with: Option<String> = transaction
-            .query_row("SELECT study_sha256 FROM sessions WHERE participant = ?1", [&pseudonym], |row| {
-                row.get(0)
-            })
-            .optional()
-            .map_err(failed)?;
-        match begun_with {
-            Some(study) if study == begin.study => return Err(Refusal::BegunBefore.into()),
-            Some(_) => return Err(Refusal::Changed.into()),
-            None => {}
-        }
-        let (count, place) = transaction
-            .query_row("SELECT count(*), coalesce(max(place) + 1, 0) FROM sessions", [], |row| {
-                Ok((unsigned(row.get(0)?), row.get::<_, i64>(1)?))
-            })
-            .map_err(failed)?;
-        if count >= begin.participants {
-            return Err(Refusal::Full.into());
-        }
-        let insert = || -> rusqlite::Result<()> {
-            transaction.execute(
-                "INSERT INTO sessions (participant, key_sha256, place, study_sha256, begun) VALUES (?1, ?2, ?3, ?4, ?5)",
-                params![pseudonym, key_sha256, place, begin.study, begin.now],
-            )?;
-            for (name, value) in begin.platform_ids {
-                transaction.execute(
-                    "INSERT OR IGNORE INTO platform_ids (participant, name, value) VALUES (?1, ?2, ?3)",
-                    params![pseudonym, name, value],
-                )?;
-            }
-            Ok(())
-        };
-        insert().map_err(failed)?;
-        transaction.commit().map_err(failed)?;
-        Ok(Session { participant: pseudonym, place: unsigned(place) })
-    }
-
-    /// Stores a chunk of the session with this key. When it returns, the chunk is on the disk.
-    ///
-    /// # Errors
-    /// A [`Refusal`].
-    pub fn put(&mut self, key: &str, chunk: &Chunk, now: i64) -> Result<Put, StoreError> {
-        if chunk.trial > MAX_NUMBER || chunk.number > MAX_NUMBER || !is_digest(chunk.sha256) {
-            return Err(
-                Refusal::Form("a chunk needs numbers up to 1000000 and the SHA-256 of its body").into()
-            );
-        }
-        if chunk.body.len() > MAX_CHUNK_BYTES {
-            return Err(Refusal::TooMuch.into());
-        }
-        if sha256(chunk.body.as_bytes()) != chunk.sha256 {
-            return Err(Refusal::Damaged.into());
-        }
-        if serde_json::from_str::<Vec<Map<String, Value>>>(chunk.body).is_err() {
-            return Err(Refusal::Form("the body must be a JSON array of objects").into());
-        }
-        let file = self.file.clone();
-        let failed = |source| StoreError::Database { file: file.clone(), source };
-        let begun = self.connection.transaction_with_behavior(TransactionBehavior::Immediate);
-        let transaction = begun.map_err(failed)?;
-        let Some((participant, is_finished)) = session(&transaction, key).map_err(failed)? else {
-            return Err(Refusal::Unknown.into());
-        };
-        let known: Option<String> = transaction
-            .query_row(
-                "SELECT sha256 FROM chunks WHERE participant = ?1 AND trial = ?2 AND number = ?3",
-                params![participant, chunk.trial, chunk.number],
-                |row| row.get(0),
-            )
-            .optional()
-            .map_err(failed)?;
-        match known {
-            Some(known) if known == chunk.sha256 => return Ok(Put::Known),
-            Some(_) => return Err(Refusal::OtherChunk.into()),
-            None if is_finished => return Err(Refusal::Finished.into()),
-            None => {}
-        }
-        let (count, bytes): (i64, i64) = transaction
-            .query_row(
-                "SELECT count(*), coalesce(sum(octet_length(body)), 0) FROM chunks WHERE participant = ?1",
-                [&participant],
-                |row| Ok((row.get(0)?, row.get(1)?)),
-            )
-            .map_err(failed)?;
-        if count >= MAX_CHUNKS || bytes + chunk.body.len() as i64 > MAX_SESSION_BYTES {
-            return Err(Refusal::TooMuch.into());
-        }
-        transaction
-            .execute(
-                "INSERT INTO chunks (participant, trial, number, sha256, received, body) VALUES (?1, ?2, ?3, ?4, ?5, ?6)",
-                params![participant, chunk.trial, chunk.number, chunk.sha256, now, chunk.body],
-            )
-            .map_err(failed)?;
-        transaction.commit().map_err(failed)?;
-        Ok(Put::Stored)
-    }
-
-    /// The chunks that the session with this key has: trial, number, SHA-256, in this order.
-    ///
-    /// # Errors
-    /// [`Refusal::Unknown`].
-    pub fn chunks(&self, key: &str) -> Result<Vec<(u32, u32, String)>, StoreError> {
-        let failed = |source| self.failed(source);
-        let (participant, _) = session(&self.connection, key).map_err(failed)?.ok_or(Refusal::Unknown)?;
-        listed(&self.connection, &participant).map_err(failed)
-    }
-
-    /// Ends the session with this key, if it has all that the digest says: the SHA-256 of a line `TRIAL
-    /// NUMBER SHA256` for every chunk, in the order of the numbers. Returns the participant's code, `code` if
-    /// it is given.
-    ///
-    /// # Errors
-    /// [`Refusal::Unknown`], [`Refusal::NotWhole`].
-    pub fn finish(
-        &mut self,
-        key: &str,
-        digest: &str,
-        code: Option<&str>,
-        now: i64,
-    ) -> Result<String, StoreError> {
-        let file = self.file.clone();
-        let failed = |source| StoreError::Database { file: file.clone(), source };
-        let begun = self.connection.transaction_with_behavior(TransactionBehavior::Immediate);
-        let transaction = begun.map_err(failed)?;
-        let (participant, is_finished) =
-            session(&transaction, key).map_err(failed)?.ok_or(Refusal::Unknown)?;
-        let chunks = listed(&transaction, &participant).map_err(failed)?;
-        if chunks.is_empty() || whole_digest(&chunks) != digest {
-            return Err(Refusal::NotWhole.into());
-        }
-        if !is_finished {
-            transaction
-                .execute(
-                    "UPDATE sessions SET finished = ?2, digest = ?3 WHERE participant = ?1",
-                    params![participant, now, digest],
-                )
-                .map_err(failed)?;
-            transaction.commit().map_err(failed)?;
-        }
-        let own = || keyed(&self.secret, &format!("code {participant}"))[..CODE_DIGITS].to_uppercase();
-        Ok(code.map_or_else(own, str::to_owned))
-    }
-
     /// All sessions with what they recorded, by number.
     ///
     /// # Errors
     /// The file cannot be read.
     pub fn sessions(&self) -> Result<Vec<StoredSession>, StoreError> {
-        self.read_sessions().map_err(|source| self.failed(source))
+        self.read_sessions("1").map_err(|source| self.failed(source))
     }
 
-    fn read_sessions(&self) -> rusqlite::Result<Vec<StoredSession>> {
-        const TIME: &str = "'%Y-%m-%dT%H:%M:%SZ'";
+    /// As [`Store::sessions`], without the chunks in which no trial ends: what `collect` reads, in less memory.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn ends_of_trials(&self) -> Result<Vec<StoredSession>, StoreError> {
+        self.read_sessions("instr(body, '\"done\"')").map_err(|source| self.failed(source))
+    }
+
+    /// The sessions with those of their chunks for which an expression of SQL is true.
+    fn read_sessions(&self, wanted: &str) -> rusqlite::Result<Vec<StoredSession>> {
         let mut statement = self.connection.prepare(&format!(
             "SELECT participant, place, study_sha256, strftime({TIME}, begun, 'unixepoch'), \
              strftime({TIME}, finished, 'unixepoch') FROM sessions ORDER BY place"
@@ -399,9 +243,9 @@ impl Store {
             })
         })?;
         let mut sessions = sessions.collect::<rusqlite::Result<Vec<_>>>()?;
-        let mut statement = self
-            .connection
-            .prepare("SELECT trial, body FROM chunks WHERE participant = ?1 ORDER BY trial, number")?;
+        let mut statement = self.connection.prepare(&format!(
+            "SELECT trial, body FROM chunks WHERE participant = ?1 AND {wanted} ORDER BY trial, number"
+        ))?;
         for session in &mut sessions {
             let chunks = statement.query_map([&session.participant], |row| {
                 Ok((row.get::<_, u32>(0)?, row.get::<_, String>(1)?))

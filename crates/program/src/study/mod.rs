@@ -15,6 +15,7 @@ pub(super) enum Action {
     Check(StudyArguments),
     Build(BuildArguments),
     Serve(ServeArguments),
+    Ethics(EthicsArguments),
     Collect(CollectArguments),
     Forget(ForgetArguments),
     Simulate(SimulateArguments),
@@ -72,7 +73,8 @@ pub(super) struct ModuleArguments {
 ///
 /// The server listens at this computer's own address alone, and has no encryption. To be reached from
 /// elsewhere it needs a proxy with encryption on this computer (nginx, Caddy), which passes the host's name on;
-/// `--public` says that name.
+/// `--public` says that name. The administrator's page has a port of its own and a random token: it shows how
+/// far participants are, and has the tables so far.
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
     ("cocarry study serve carrying/study.toml", "for a browser on this computer; Ctrl-C ends it"),
@@ -84,12 +86,31 @@ pub(super) struct ServeArguments {
     /// Serve at this port of this computer; 0 takes a free one
     #[arg(long, value_name = "PORT", default_value_t = 8791)]
     port: u16,
+    /// Serve the administrator's page at this port of this computer; 0 takes a free one
+    #[arg(long, value_name = "PORT", default_value_t = 0)]
+    admin_port: u16,
     /// Also take requests that a proxy on this computer passes on from this address, such as
     /// https://study.example.org
     #[arg(long, value_name = "ADDRESS", value_parser = public)]
     public: Option<String>,
     #[command(flatten)]
     module: ModuleArguments,
+}
+
+/// Write a page about a study for an ethics board
+///
+/// It has the consent as a whole, what participants are asked, what is stored of them, where, for how long, who
+/// can read it, and how it is removed: all from the study file. Equal studies give equal pages.
+#[derive(Args, Debug)]
+#[command(after_help = examples(&[("cocarry study ethics carrying/study.toml", "carrying/study.ethics.html")]))]
+pub(super) struct EthicsArguments {
+    /// Study file (TOML)
+    study: PathBuf,
+    /// File to write [default: beside the study file, with the extension ethics.html]
+    #[arg(short, long, value_name = "FILE.html")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: OverwriteArguments,
 }
 
 /// Write the answers of a study as tables for `cocarry fit`, `cocarry infer` and others

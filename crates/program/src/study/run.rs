@@ -1,8 +1,8 @@
 //! The work of `cocarry study`.
 
 use super::{
-    Action, BuildArguments, CollectArguments, ForgetArguments, ModuleArguments, NewArguments, ServeArguments,
-    SimulateArguments,
+    Action, BuildArguments, CollectArguments, EthicsArguments, ForgetArguments, ModuleArguments,
+    NewArguments, ServeArguments, SimulateArguments,
 };
 use crate::demo::files::Pages;
 use crate::export::write_all;
@@ -13,8 +13,8 @@ use anyhow::{Context, anyhow};
 use cocarry::episode::{Outcome, Settings};
 use cocarry::suggestion::shell_word;
 use cocarry_people::{
-    CollectedCarry, Refusal, Serving, Sink, Site, Store, StoreError, Study, TEMPLATE, Task, add_file,
-    carries_table, collect, orders, serve, simulate,
+    Admin, CollectedCarry, Refusal, Serving, Sink, Site, Store, StoreError, Study, TEMPLATE, Task, add_file,
+    carries_table, collect, ethics_page, orders, serve, simulate, token,
 };
 use std::fmt::Write;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
@@ -32,6 +32,7 @@ pub(super) fn run_action(action: &Action) -> Result<(), Failure> {
         Action::Check(arguments) => run_check(&arguments.study),
         Action::Build(arguments) => run_build(arguments),
         Action::Serve(arguments) => run_serve(arguments),
+        Action::Ethics(arguments) => run_ethics(arguments),
         Action::Collect(arguments) => run_collect(arguments),
         Action::Forget(arguments) => run_forget(arguments),
         Action::Simulate(arguments) => run_simulate(arguments),
@@ -169,14 +170,22 @@ fn run_build(BuildArguments { study, output, module, overwrite }: &BuildArgument
     write_all(*overwrite, &files)
 }
 
-fn run_serve(ServeArguments { study, port, public, module }: &ServeArguments) -> Result<(), Failure> {
+/// A listener at a port of this computer, and the port.
+fn listening(flag: &str, port: u16) -> Result<(TcpListener, u16), Failure> {
+    let listener = TcpListener::bind(SocketAddr::from((Ipv4Addr::LOCALHOST, port)))
+        .map_err(|error| input(anyhow!("{flag} {port}: {error}; use another port, or 0 for a free one")))?;
+    let port = listener.local_addr().context("the port is not known").map_err(Failure::Output)?.port();
+    Ok((listener, port))
+}
+
+fn run_serve(arguments: &ServeArguments) -> Result<(), Failure> {
+    let ServeArguments { study, port, admin_port, public, module } = arguments;
     let study = read(study)?;
     let site = site(&study, Sink::Server, module)?;
     let store = Store::open(&study.database()).map_err(of_store)?;
-    let address = SocketAddr::from((Ipv4Addr::LOCALHOST, *port));
-    let listener = TcpListener::bind(address)
-        .map_err(|error| input(anyhow!("--port {port}: {error}; use another port, or 0 for a free one")))?;
-    let port = listener.local_addr().context("the port is not known").map_err(Failure::Output)?.port();
+    let (listener, port) = listening("--port", *port)?;
+    let (admin_listener, admin_port) = listening("--admin-port", *admin_port)?;
+    let token = token().context("a token for the administrator's page").map_err(Failure::Output)?;
     let mut hosts = vec![format!("127.0.0.1:{port}"), format!("localhost:{port}")];
     hosts.extend(
         public.iter().filter_map(|address| address.split_once("://")).map(|(_, host)| host.to_owned()),
@@ -186,14 +195,26 @@ fn run_serve(ServeArguments { study, port, public, module }: &ServeArguments) ->
         format!("a proxy on this computer must pass on {address} with its host's name\n")
     });
     print(&format!(
-        "the study is at http://127.0.0.1:{port}/\n{proxy}answers go to {}\nCtrl-C ends it\n",
+        "the study is at http://127.0.0.1:{port}/\n{proxy}\
+         for you alone: http://admin:{token}@127.0.0.1:{admin_port}/\n\
+         answers go to {}\nCtrl-C ends it\n",
         study.database().display()
     ))?;
-    let (participants, code) = (study.participants, study.end.code.clone());
-    let serving = Serving { site, store, participants, code, hosts };
-    serve(listener, serving, || interrupt.is_set())
+    let admin = Some(Admin { listener: admin_listener, token });
+    serve(listener, Serving { study, site, store, hosts, admin }, || interrupt.is_set())
         .context("the study cannot be served")
         .map_err(Failure::Output)
+}
+
+fn run_ethics(EthicsArguments { study, output, overwrite }: &EthicsArguments) -> Result<(), Failure> {
+    let study = read(study)?;
+    let file = output.clone().unwrap_or_else(|| study.file.with_extension("ethics.html"));
+    if file.extension().is_none_or(|extension| extension != "html") {
+        return Err(input(anyhow!("{}: the page is HTML; use the extension .html", file.display())));
+    }
+    overwrite.outputs([study.file.as_path()], [&file])?;
+    let html = ethics_page(&study).map_err(input)?;
+    write_all(*overwrite, &[(file, html)])
 }
 
 fn run_collect(arguments: &CollectArguments) -> Result<(), Failure> {
