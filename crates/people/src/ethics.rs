@@ -212,7 +212,7 @@ fn stored(study: &Study) -> String {
             "the data of the study",
         ),
         row(
-            "the width and height of the browser's window, by its clock when a page began, and when it was hidden",
+            "the size of the browser's window and the time by its clock when a page began; when the page was hidden",
             &database,
             "to judge the data",
         ),

@@ -135,3 +135,47 @@ fn a_store_of_a_newer_program_and_a_file_of_others_are_refused() {
     .unwrap();
     assert!(Store::open(&folder.path().join("text.sqlite")).is_err());
 }
+
+#[test]
+fn a_store_of_the_first_version_is_brought_up_to_date_and_still_bounded() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("s.sqlite");
+    let old = Connection::open(&file).unwrap();
+    old.execute_batch(MIGRATIONS[0]).unwrap();
+    old.execute_batch(
+        "INSERT INTO study VALUES (1, x'00'); PRAGMA user_version = 1;
+         INSERT INTO sessions VALUES ('p1', 'k', 0, 'study', 0, NULL, NULL), ('p2', 'l', 1, 'study', 0, NULL, NULL);
+         INSERT INTO chunks VALUES ('p1', 0, 0, 'a', 5, '[]'), ('p1', 0, 1, 'b', 6, '[{\"é\":1}]');",
+    )
+    .unwrap();
+    drop(old);
+    let store = Store::open(&file).unwrap();
+    let of = |participant: &str| -> (i64, i64) {
+        let counted = "SELECT chunks, bytes FROM sessions WHERE participant = ?1";
+        store.connection.query_row(counted, [participant], |row| Ok((row.get(0)?, row.get(1)?))).unwrap()
+    };
+    assert_eq!([of("p1"), of("p2")], [(2, 12), (0, 0)]);
+}
+
+#[test]
+fn requests_that_share_a_transaction_are_all_stored_or_none_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut store = Store::open(&folder.path().join("s.sqlite")).unwrap();
+    let key_1 = key(1);
+    store.begin(&begin(&key_1, &[])).unwrap();
+    let sha256 = sha256(b"[]");
+    let chunk = |number| Chunk { trial: 0, number, sha256: &sha256, body: "[]" };
+    let failed: Result<(), _> = store.alone(|writing| {
+        writing.put(&key_1, &chunk(0), 5)?;
+        Err(Fault::Database(rusqlite::Error::InvalidQuery))
+    });
+    assert!(matches!(failed, Err(StoreError::Database { .. })));
+    assert_eq!(store.chunks(&key_1).unwrap().len(), 0);
+    let puts = store.alone(|writing| {
+        [0, 1, 0]
+            .map(|number| writing.put(&key_1, &chunk(number), 5))
+            .into_iter()
+            .collect::<Result<Vec<_>, _>>()
+    });
+    assert_eq!(puts.unwrap(), [Put::Stored, Put::Stored, Put::Known]);
+}
