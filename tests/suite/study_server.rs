@@ -142,7 +142,7 @@ fn people_two_hundred_slow_clients_keep_nobody_out() {
             &format!("x-session-key: {}\r\n", sha256("a")),
             100_000,
         );
-        stream.write_all(&head.as_bytes()[..if n % 2 == 0 { 20 } else { head.len() }]).unwrap();
+        stream.write_all(&head.as_bytes()[..if n.is_multiple_of(2) { 20 } else { head.len() }]).unwrap();
         stream
     };
     let slow: Vec<TcpStream> = (0..200).map(start).collect();
@@ -260,7 +260,7 @@ fn people_a_gigabyte_is_refused_before_it_is_held() {
     let send = |n: usize| {
         let mut stream = TcpStream::connect(&server.host).unwrap();
         stream.set_write_timeout(Some(Duration::from_secs(20))).unwrap();
-        let is_chunked = n % 2 == 0;
+        let is_chunked = n.is_multiple_of(2);
         let length = if is_chunked { "Transfer-Encoding: chunked" } else { "Content-Length: 1073741824" };
         let head = format!("PUT /api/chunks/0/0 HTTP/1.1\r\nHost: {}\r\n{length}\r\n\r\n", server.host);
         let mut sent = 0;
