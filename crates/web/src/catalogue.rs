@@ -22,7 +22,6 @@ pub fn catalogue() -> Value {
     let defaults = Scenario::defaults();
     json!({
         "version": env!("CARGO_PKG_VERSION"),
-        "arithmetic": arithmetic::stamp(),
         "worlds": BUILT_IN_WORLDS.iter().map(|w| json!({ "name": w.name, "text": w.text })).collect::<Vec<_>>(),
         "robots": words(&robots::names()),
         "plants": words(&plants),
