@@ -149,22 +149,87 @@ mod with_people {
     }
 
     #[test]
-    fn people_a_page_without_a_server_is_plain_files_without_a_secret() {
+    fn people_a_page_without_our_server_is_plain_files_that_send_to_their_sink_alone() {
         let (folder, file) = new();
         let written = std::fs::read_to_string(&file).unwrap();
         std::fs::write(&file, written.replace("# code = ", "code = ")).unwrap();
-        let to = folder.path().join("site");
-        done(&["study", "build", text(&file), "-o", text(&to)]);
-        let study = std::fs::read_to_string(to.join("study.json")).unwrap();
-        assert!(study.contains("\"sink\":\"download\"") && !study.contains("C0FFEE\"}"), "{study}");
-        assert!(!study.contains("\"code\"") && !study.contains("risk"));
-        for name in
-            ["index.html", "study.js", "study.css", "NOTICE.txt", "maps/1.svg", "maps/2.svg", "maps/3.svg"]
-        {
-            assert!(to.join(name).is_file(), "{name}");
+        for (sink, connects, has_jatos) in [
+            ("download", "connect-src 'self';", false),
+            ("jatos", "connect-src 'self';", true),
+            ("datapipe=abc123", "connect-src 'self' https://pipe.jspsych.org;", false),
+        ] {
+            let to = folder.path().join(sink);
+            let build = ["study", "build", text(&file), "--sink", sink, "-o", text(&to)];
+            done(&build);
+            let study = std::fs::read_to_string(to.join("study.json")).unwrap();
+            let name = sink.split('=').next().unwrap();
+            assert!(study.contains(&format!("\"sink\":\"{name}\"")) && !study.contains("risk"), "{study}");
+            assert!(study.contains("\"code\":\"C0FFEE\""), "{study}");
+            assert_eq!(study.contains("\"experiment\":\"abc123\""), sink.starts_with("datapipe"));
+            let page = std::fs::read_to_string(to.join("index.html")).unwrap();
+            assert!(page.contains("default-src 'none'; script-src 'self' 'wasm-unsafe-eval';"), "{page}");
+            assert!(page.contains(connects), "{page}");
+            assert_eq!(page.contains("<script src=\"jatos.js\">"), has_jatos);
+            for name in ["study.js", "study.css", "NOTICE.txt", "maps/1.svg", "maps/2.svg", "maps/3.svg"] {
+                assert!(to.join(name).is_file(), "{name}");
+            }
+            let output = cocarry(&build);
+            assert_eq!(output.status.code(), Some(2), "files are not replaced unasked");
         }
-        let output = cocarry(&["study", "build", text(&file), "-o", text(&to)]);
-        assert_eq!(output.status.code(), Some(2), "files are not replaced unasked");
+        for wrong in ["ftp", "datapipe=", "datapipe=a/b"] {
+            let to = folder.path().join("wrong");
+            let output = cocarry(&["study", "build", text(&file), "--sink", wrong, "-o", text(&to)]);
+            assert_eq!(output.status.code(), Some(2));
+            assert!(stderr(&output).contains("download, jatos, or datapipe=ID"), "{}", stderr(&output));
+            assert!(!to.exists());
+        }
+    }
+
+    #[test]
+    fn people_walks_are_shown_again_grouped_by_eta_and_a_scale_of_fluency_has_its_means() {
+        let (folder, file) = new();
+        let written = std::fs::read_to_string(&file).unwrap();
+        let edited = written
+            .replace("# trials = 2 ", "trials = 2 ")
+            .replace("kind = \"nasa-tlx\"", "kind = \"fluency\"\npoints = 5");
+        std::fs::write(&file, edited).unwrap();
+        let (file, to, truth) = (text(&file), folder.path().join("answers"), folder.path().join("truth.csv"));
+        assert!(done(&["study", "check", file]).contains("switch: 16 walks\n"));
+        done(&["study", "simulate", file, "--participants", "6", "--truth", text(&truth)]);
+        done(&["study", "collect", file, "--simulated", "-o", text(&to)]);
+        // both showings are read: 6 people, 2 worlds, 4 options
+        let fit = json(&["fit", "eta", text(&to.join("switches.csv")), "--json"]);
+        assert_eq!(fit["episodes"].as_array().unwrap().len(), 6 * 2 * 4 * 2);
+        let read = |name: &str| {
+            let rows = csv::Reader::from_path(to.join(name)).unwrap().into_deserialize();
+            rows.collect::<Result<Vec<std::collections::BTreeMap<String, String>>, _>>().unwrap()
+        };
+        let mut trials = std::collections::BTreeMap::new();
+        read("switches.csv").iter().for_each(|row| *trials.entry(row["trial"].clone()).or_insert(0) += 1);
+        assert_eq!(trials.into_iter().collect::<Vec<_>>(), [("1".to_owned(), 48), ("2".to_owned(), 48)]);
+        // who stops a walk belongs to the group nearest to the eta that was drawn, up to the width of a step
+        let truths: std::collections::BTreeMap<String, f64> = csv::Reader::from_path(&truth)
+            .unwrap()
+            .deserialize::<(String, f64, f64, f64)>()
+            .map(|row| row.map(|(participant, _, _, eta)| (participant, eta)).unwrap())
+            .collect();
+        for row in read("participants.csv") {
+            let eta = truths[&row["participant"]];
+            let Ok(group) = row["eta_group"].parse::<f64>() else { continue };
+            let nearest = [5.0, 10.5, 15.0].into_iter().find(|other| {
+                let ratio = |group: f64| (group / eta).max(eta / group);
+                ratio(*other) * 1.1 < ratio(group)
+            });
+            assert_eq!(nearest, None, "eta {eta} in the group of {group}");
+        }
+        // the middle of five points is the mean of every subscale
+        let responses = std::fs::read_to_string(to.join("responses.csv")).unwrap();
+        assert_eq!(responses.matches(",workload,mean: human-robot fluency,3.000,").count(), 6);
+        assert_eq!(responses.lines().filter(|line| line.contains(",workload,")).count(), 6 * (23 + 7));
+        let dictionary = std::fs::read_to_string(to.join("dictionary.csv")).unwrap();
+        let reversed = dictionary.lines().filter(|line| line.contains("reversed part of")).count();
+        assert_eq!(reversed, 4);
+        assert!(dictionary.contains("1 to 5"), "{dictionary}");
     }
 
     #[test]

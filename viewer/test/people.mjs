@@ -1,79 +1,36 @@
 // Participants of `cocarry study` in Chromium: node test/people.mjs PROGRAM. One goes through everything with the keyboard
 // alone, while requests are doubled, lose their answers and fail, the page is reloaded and closed, and the server is killed.
 // Nothing that the server acknowledged is lost, nothing is counted twice, and every page keeps the rules of axe-core.
+//   node test/people.mjs PROGRAM simulated [N]       people of known alpha, gamma and eta: simulated.mjs
+//   node test/people.mjs PROGRAM hands               touch and gamepad in the task carry alone
+//   node test/people.mjs PROGRAM kills [TABS SERVERS]    tabs and servers killed at random times: kills.mjs
 import assert from "node:assert/strict";
-import { execFileSync, spawn, spawnSync } from "node:child_process";
-import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
-import { createRequire } from "node:module";
-import { tmpdir } from "node:os";
+import { readFileSync, rmSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
-import { createInterface } from "node:readline";
-import { fileURLToPath } from "node:url";
+import {
+  Acknowledged, PAGES, carries, faults, goThrough, isReady, killed, looked, needPeople, newStudy, onPage, opened, serve, simulator, stored, world,
+} from "./participants.mjs";
 import { launch, serve as serveFolder } from "./serving.mjs";
 
-const program = process.argv[2];
-if (spawnSync(program, ["study", "check", "none"]).stderr.toString().includes("feature `people`")) {
-  console.log("skipped: studies with people; build the program with --features people");
+const [program, mode, ...words] = process.argv.slice(2);
+needPeople(program);
+if (mode === "kills" || mode === "simulated") {
+  await (await import(`./${mode}.mjs`)).run(program, ...words.map(Number));
   process.exit(0);
 }
-const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
-const screenshots = fileURLToPath(new URL("screenshots", import.meta.url));
-const folder = mkdtempSync(join(tmpdir(), "people-"));
-mkdirSync(screenshots, { recursive: true });
-const cocarry = (...words) => execFileSync(program, words, { cwd: folder, encoding: "utf8" });
-
-// A short walk past a pillar, on two ways of about 5 m.
-const box = (name, x, y, width, depth) => `[[obstacle]]\nname = "${name}"\nshape = "box"\ncenter_m = [${x}, ${y}]\nsize_m = [${width}, ${depth}]\nheight_m = 1.0\n`;
-writeFileSync(join(folder, "short.toml"), [
-  'name = "Short"\nrobot_width_m = 0.5\nstart_m = [0.0, 0.0]\ntarget_m = [4.0, 0.0]\n',
-  box("upper", "2.0", "1.95", "0.2", "1.3"), box("middle", "2.0", "0.0", "0.2", "1.0"), box("lower", "2.0", "-2.15", "0.2", "1.3"),
-  box("north", "2.0", "2.65", "8.0", "0.1"), box("south", "2.0", "-2.85", "8.0", "0.1"), box("west", "-2.0", "-0.1", "0.1", "5.6"), box("east", "6.0", "-0.1", "0.1", "5.6"),
-].join("\n"));
-cocarry("study", "new", ".");
-// people carry where the simulator is built
-const page = fileURLToPath(new URL("../dist/page", import.meta.url));
-const carries = existsSync(join(page, "cocarry.wasm"));
-if (!carries) console.log("skipped: people who carry; build the module of the page with: crates/web/build");
-const simulator = carries ? ["--page", page] : [];
-const template = readFileSync(join(folder, "study.toml"), "utf8");
-writeFileSync(join(folder, "study.toml"), template
-  .replace('worlds = ["environment-1", "environment-4"]', 'worlds = ["short.toml"]')
-  .replace('world = "free-form"', 'world = "short.toml"')
-  .replace('tasks = ["percentages", "switch"]', `tasks = ["percentages", "switch"${carries ? ', "carry"' : ""}]`)
-  .replace("[end]", `${carries ? '[carry]\nmethods = ["mutual"]\ntext = "Carry along."\n\n' : ""}[end]`));
-
-// The server; `port` is that of an earlier one, or 0.
-async function serve(port = 0) {
-  const server = spawn(program, ["study", "serve", "study.toml", "--port", String(port), ...simulator], { cwd: folder, stdio: ["ignore", "pipe", "inherit"] });
-  for await (const line of createInterface({ input: server.stdout })) {
-    const address = /^the study is at (http:\/\/127\.0\.0\.1:(\d+)\/)$/.exec(line);
-    if (address) return { server, address: address[1], port: Number(address[2]) };
-  }
-  throw new Error("the server did not start");
-}
-const killed = (server) => new Promise((done) => {
-  server.once("exit", done);
-  server.kill("SIGKILL");
-});
-
-// What the database has, read by a program of others.
-const stored = () => JSON.parse(execFileSync("python3", ["-c", `
-import json, sqlite3
-base = sqlite3.connect("study.sqlite")
-print(json.dumps({
-    "integrity": base.execute("PRAGMA integrity_check").fetchall(),
-    "sessions": base.execute("SELECT participant, finished IS NOT NULL FROM sessions ORDER BY place").fetchall(),
-    "chunks": base.execute("SELECT trial, number, sha256 FROM chunks ORDER BY participant, trial, number").fetchall(),
-}))`], { cwd: folder, encoding: "utf8" }));
+// the scale "robot" asks Hoffman's statements
+const study = newStudy(program, { "short.toml": world("Short") }, (text) => text
+  .replace(/kind = "likert"\nstatements[^]*?\npoints[^]*?\nends[^\n]*\n/, 'kind = "fluency"\n')
+);
+const { folder, cocarry } = study;
 
 const browser = await launch();
-let { server, address, port } = await serve();
-// chunks that the server acknowledged, by session
-const acknowledged = new Map();
+let { server, address, port } = await serve(study);
+const acknowledged = new Acknowledged();
 const counts = { doubled: 0, unanswered: 0, failed: 0 };
 
-// A participant's browser, in which requests suffer: `faults` says how many in ten of each kind do.
-async function participant({ width, height, faults = 0 }) {
+// A participant's browser, in which requests suffer: `some` says how many in ten of each kind do.
+async function participant({ width, height, some = 0 }) {
   const context = await browser.newContext({ viewport: { width, height } });
   let n = 0;
   await context.route("**/api/**", async (route) => {
@@ -82,23 +39,19 @@ async function participant({ width, height, faults = 0 }) {
     const send = () => fetch(request.url(), { method: request.method(), headers: { ...headers, origin: address.slice(0, -1) }, body });
     n += 1;
     try {
-      if (n % 10 < faults) {
+      if (n % 10 < some) {
         counts.doubled += 1;
         await send();
-      } else if (n % 10 < 2 * faults) {
+      } else if (n % 10 < 2 * some) {
         counts.unanswered += 1;
         await send();
         return await route.abort("connectionreset");
-      } else if (n % 10 < 3 * faults) {
+      } else if (n % 10 < 3 * some) {
         counts.failed += 1;
         return await route.abort("connectionrefused");
       }
       const answer = await send();
-      const chunk = /\/api\/chunks\/(\d+)\/(\d+)$/.exec(request.url());
-      if (chunk && answer.ok) {
-        const key = headers["x-session-key"];
-        acknowledged.set(key, [...(acknowledged.get(key) ?? []), [Number(chunk[1]), Number(chunk[2]), headers["x-sha256"]]]);
-      }
+      acknowledged.note(request.url(), headers, answer.ok);
       await route.fulfill({ status: answer.status, contentType: "application/json", body: await answer.text() });
     } catch {
       await route.abort("connectionrefused").catch(() => {});
@@ -107,139 +60,10 @@ async function participant({ width, height, faults = 0 }) {
   return context;
 }
 
-const faultsOf = new WeakMap();
-async function opened(context, query = "", from = address) {
-  const tab = await context.newPage();
-  const faults = [];
-  faultsOf.set(tab, faults);
-  tab.on("pageerror", (error) => faults.push(error.stack));
-  tab.on("request", (request) => {
-    if (!request.url().startsWith(from) && !/^(data|blob):/.test(request.url())) faults.push(`asked ${request.url()}`);
-  });
-  await tab.goto(from + query);
-  await tab.waitForSelector("h1");
-  return tab;
-}
-const heading = (tab) => tab.locator("h1").textContent();
-const progress = (tab) => tab.locator("#progress").textContent();
-const onPage = (tab, number) => tab.waitForFunction((number) => document.getElementById("progress").textContent.startsWith(`Page ${number} `), number, { timeout: 30e3 });
-
-async function looked(tab, name) {
-  await tab.evaluate(AXE);
-  const { violations } = await tab.evaluate(() => globalThis.axe.run(document, { resultTypes: ["violations"] }));
-  assert.deepEqual(violations.map(({ id, nodes }) => `${id}: ${nodes[0].html}`), [], `${name}: axe-core`);
-  // nothing is wider than the page
-  assert.ok(await tab.evaluate(() => document.documentElement.scrollWidth <= innerWidth), `${name}: too wide`);
-  await tab.screenshot({ path: join(screenshots, `people-${name}.png`) });
-}
-
-// The pages in their order, each done with the keyboard.
-const PAGES = {
-  async "Before you begin"(tab) {
-    await tab.locator("input[type=checkbox]").focus();
-    await tab.keyboard.press("Space");
-    await tab.keyboard.press("Enter");
-  },
-  async "Which way would you go?"(tab) {
-    await tab.keyboard.press("Enter");
-  },
-  async "The robot leads"(tab) {
-    await tab.keyboard.press("Enter");
-  },
-  async "How likely would you go each way?"(tab) {
-    const count = await tab.locator(".shares input").count();
-    await tab.locator(".shares input").first().focus();
-    const shares = ["30", "70"];
-    assert.equal(count, shares.length);
-    for (const share of shares) {
-      await tab.keyboard.press("Control+A");
-      await tab.keyboard.type(share);
-      await tab.keyboard.press("Enter");
-    }
-  },
-  async "A question"(tab) {
-    const asked = await tab.locator("legend").textContent();
-    await tab.locator("input[type=radio]").first().focus();
-    for (let i = 0; i < (asked.includes("add up") ? 1 : 2); i++) await tab.keyboard.press("ArrowDown");
-    await tab.keyboard.press("Enter");
-  },
-  // the first walk that counts is stopped, the other one goes to its end
-  async "When would you stop following the robot?"(tab, { walks }) {
-    await tab.waitForFunction(() => document.activeElement?.textContent === "Start");
-    await tab.keyboard.press("Space");
-    walks.count += 1;
-    if (walks.count < 3) {
-      await tab.waitForTimeout(3100);
-      await tab.keyboard.press("Space");
-    } else {
-      await tab.waitForSelector("text=has arrived", { timeout: 30e3 });
-      await tab.keyboard.press("Enter");
-    }
-  },
-  async "You carry along"(tab) {
-    await tab.keyboard.press("Enter");
-  },
-  async "Carry along"(tab) {
-    await tab.waitForFunction(() => document.activeElement?.textContent === "Start");
-    await tab.keyboard.press("Enter");
-    await tab.waitForTimeout(1500);
-    // takes the lead, goes to the right for a while, and gives it back
-    await tab.keyboard.press("t");
-    await tab.keyboard.down("ArrowRight");
-    await tab.waitForTimeout(1500);
-    await tab.keyboard.up("ArrowRight");
-    await tab.keyboard.press("t");
-    await tab.waitForFunction(() => document.activeElement?.textContent === "Continue", null, { timeout: 180e3 });
-    await tab.keyboard.press("Enter");
-  },
-  async "How was it?"(tab) {
-    for (const slider of await tab.locator("input[type=range]").all()) {
-      await slider.focus();
-      await tab.keyboard.press("ArrowRight");
-    }
-    await tab.locator("button").focus();
-    await tab.keyboard.press("Enter");
-  },
-  async "How much do you agree?"(tab) {
-    for (const scale of await tab.locator("fieldset").all()) {
-      await scale.locator("input").nth(4).focus();
-      await tab.keyboard.press("Space");
-    }
-    await tab.keyboard.press("Enter");
-  },
-};
-
-// Goes from where the tab is to the end. `before(number)` is called on every page, and may return another tab.
-async function goThrough(tab, before = async () => tab) {
-  const walks = { count: 0 };
-  for (;;) {
-    await tab.waitForFunction(() => document.querySelector("h1") && document.querySelector("h1").textContent !== "One moment", null, { timeout: 60e3 });
-    const title = await heading(tab);
-    if (title === "The end") return tab;
-    const number = Number(/^Page (\d+) /.exec(await progress(tab))[1]);
-    tab = await before(number, title);
-    // done already
-    if ((await progress(tab)) !== "" && !(await progress(tab)).startsWith(`Page ${number} `)) continue;
-    assert.ok(PAGES[title], title);
-    await PAGES[title](tab, { walks });
-    await tab.waitForFunction((number) => !document.getElementById("progress").textContent.startsWith(`Page ${number} `), number, { timeout: 30e3 });
-  }
-}
-
-// Whatever was acknowledged is in a sound database, once.
-function nothingIsLost() {
-  const { integrity, chunks } = stored();
-  assert.deepEqual(integrity, [["ok"]]);
-  const known = new Set(chunks.map((chunk) => chunk.join(" ")));
-  const all = [...acknowledged.values()].flat().map((chunk) => chunk.join(" "));
-  assert.deepEqual(all.filter((chunk) => !known.has(chunk)), []);
-  return { acknowledged: new Set(all).size, stored: chunks.length };
-}
-
 // One participant, wide screen, every fault.
 async function one() {
-  const context = await participant({ width: 1024, height: 760, faults: 1 });
-  let tab = await opened(context);
+  const context = await participant({ width: 1024, height: 760, some: 1 });
+  let tab = await opened(context, address);
   const seen = new Set();
   tab = await goThrough(tab, async (number, title) => {
     if (!seen.has(title)) {
@@ -253,14 +77,14 @@ async function one() {
       await tab.reload();
       await onPage(tab, number);
       assert.equal(await tab.locator(".shares input").first().inputValue(), "");
-      const other = await opened(context);
+      const other = await opened(context, address);
       assert.match(await other.locator("#stopped").textContent(), /open in another tab/);
       await other.close();
     }
     if (title === "The robot leads") {
       // the tab breaks down, and another one is opened
       await tab.close();
-      tab = await opened(context);
+      tab = await opened(context, address);
       await onPage(tab, number);
     }
     if (title === "How was it?") {
@@ -269,8 +93,8 @@ async function one() {
       await PAGES[title](tab, {});
       await tab.waitForFunction(() => document.getElementById("status").textContent.includes("connection is interrupted"), null, { timeout: 30e3 });
       await onPage(tab, number + 1);
-      nothingIsLost();
-      ({ server } = await serve(port));
+      acknowledged.check(study);
+      ({ server } = await serve(study, port));
     }
     return tab;
   });
@@ -280,12 +104,12 @@ async function one() {
   assert.match(code, /^[0-9A-F]{8}$/);
   await tab.reload();
   assert.equal(await tab.locator("#code").textContent(), code);
-  assert.deepEqual(faultsOf.get(tab), []);
+  assert.deepEqual(faults(tab), []);
   await context.close();
-  const { sessions } = stored();
+  const { sessions } = stored(study);
   assert.deepEqual(sessions, [[number, 1]]);
-  const { acknowledged, stored: chunks } = nothingIsLost();
-  console.log(`one participant by keyboard: ${seen.size} kinds of pages, ${acknowledged} chunks acknowledged of ${chunks} stored; requests: ${JSON.stringify(counts)}`);
+  const { acknowledged: count, stored: chunks } = acknowledged.check(study);
+  console.log(`one participant by keyboard: ${seen.size} kinds of pages, ${count} chunks acknowledged of ${chunks} stored; requests: ${JSON.stringify(counts)}`);
   return number;
 }
 
@@ -311,11 +135,17 @@ function collected(number) {
     const carried = Object.fromEntries(header.map((name, i) => [name, row[i]]));
     assert.equal(carried.differs_within_s, "", "run again, it is another episode");
     assert.ok(Number(carried.human_led_from_s) > 0.5, JSON.stringify(carried));
+    assert.ok(["1", "2", ""].includes(carried.options_walked), carried.options_walked);
     assert.match(cocarry("replay", `answers/${carried.recording}`), /identical/);
     console.log(`carried: ${carried.outcome} after ${carried.duration_s} s, led from ${carried.human_led_from_s} s; the log gives the same episode, digest by digest`);
   }
-  assert.equal(table("responses.csv").length, 1 + 2 + 6 + 2);
-  const flags = table("participants.csv")[1].at(-1);
+  // two questions, six scales of workload, 23 statements about fluency with the means of seven subscales: all have answer 5
+  const responses = study.table("answers/responses.csv");
+  assert.equal(responses.length, 2 + 6 + 23 + 7);
+  const mean = (name) => responses.find(({ item }) => item === `mean: ${name}`).answer;
+  assert.deepEqual([mean("human-robot fluency"), mean("robot relative contribution")], ["5.000", "4.000"]);
+  const { flags, eta_group: group } = study.table("answers/participants.csv")[0];
+  assert.ok(["", "5", "10.5", "15"].includes(group), group);
   assert.ok(!flags.includes("left-out"), flags);
   cocarry("fit", "risk-weight", "answers/answers.csv", "--resamples", "40");
   cocarry("fit", "eta", "answers/switches.csv");
@@ -327,7 +157,7 @@ function collected(number) {
 async function killedOften() {
   const context = await participant({ width: 390, height: 800 });
   const query = "?PROLIFIC_PID=abc123def456&STUDY_ID=study1234567";
-  let tab = await opened(context, query), kills = 0, closed = 0;
+  let tab = await opened(context, address, query), kills = 0, closed = 0;
   const seen = new Set();
   tab = await goThrough(tab, async (number, title) => {
     if (!seen.has(title)) {
@@ -341,13 +171,13 @@ async function killedOften() {
         await tab.waitForTimeout((round * 377) % 1000);
         await killed(server);
         kills += 1;
-        ({ server } = await serve(port));
-        nothingIsLost();
+        ({ server } = await serve(study, port));
+        acknowledged.check(study);
         await tab.locator(".shares input").nth(1).fill(String(20 + round));
         await tab.waitForTimeout((round * 577) % 1300);
         await tab.close();
         closed += 1;
-        tab = await opened(context, query);
+        tab = await opened(context, address, query);
         await onPage(tab, number);
       }
     }
@@ -357,10 +187,10 @@ async function killedOften() {
   await looked(tab, "end-narrow");
   const number = await tab.locator("#number").textContent();
   await context.close();
-  nothingIsLost();
+  acknowledged.check(study);
   // the same person in another browser
   const again = await participant({ width: 390, height: 800 });
-  const refused = await opened(again, query);
+  const refused = await opened(again, address, query);
   await refused.waitForSelector("#stopped");
   assert.match(await refused.locator("#stopped").textContent(), /already, in another browser/);
   await again.close();
@@ -375,34 +205,222 @@ async function killedOften() {
   // while the server runs
   assert.match(cocarry("study", "forget", "study.toml", "abc123def456"), new RegExp(`^${number} is removed: \\d+ chunks and 2 parameters`));
   assert.ok(!has("abc123def456") && !has(number));
-  assert.deepEqual(stored().integrity, [["ok"]]);
-  assert.equal(stored().sessions.length, 1);
+  assert.deepEqual(stored(study).integrity, [["ok"]]);
+  assert.equal(stored(study).sessions.length, 1);
   console.log(`${kills} kills of the server and ${closed} of the tab: nothing acknowledged was lost; the person is forgotten`);
 }
 
-// Plain files on any host: the participant saves a file.
+// A finger, the buttons beside the picture, and a gamepad carry; what they sent is recorded.
+async function handled() {
+  const other = newStudy(program, { "short.toml": world("Short") }, (text) => text.replace('["percentages", "switch", "carry"]', '["carry"]').replace(/\[practice\]\nworld[^\n]*\n/, ""));
+  const running = await serve(other);
+  const notes = async (act, options, before) => {
+    const context = await browser.newContext(options);
+    if (before) await context.addInitScript(before);
+    const kinds = new Map(), bodies = [];
+    context.on("request", (request) => /\/api\/chunks\//.test(request.url()) && bodies.push(request.postData()));
+    const tab = await goThrough(await opened(context, running.address), async (number, title) => {
+      if (title === "Carry along") await looked(tab0(context), `carry-${options.viewport.width}`);
+      return tab0(context);
+    }, { ...PAGES, "Carry along": async (tab) => {
+      await isReady(tab);
+      await tab.keyboard.press("Enter");
+      await tab.waitForTimeout(800);
+      await act(tab);
+      await isReady(tab, "Continue");
+      await tab.keyboard.press("Enter");
+    } });
+    assert.deepEqual(faults(tab), []);
+    await context.close();
+    for (const record of bodies.flatMap((body) => JSON.parse(body))) kinds.set(record.kind, [...(kinds.get(record.kind) ?? []), record.data]);
+    return kinds;
+  };
+  const tab0 = (context) => context.pages()[0];
+  const pressed = (tab, name) => tab.waitForFunction((name) => [...document.querySelectorAll('main button[aria-pressed="true"]')].some((button) => button.textContent.startsWith(name)), name);
+  const touched = await notes(async (tab) => {
+    const protocol = await tab.context().newCDPSession(tab);
+    const touch = (type, ...points) => protocol.send("Input.dispatchTouchEvent", { type, touchPoints: points });
+    const middle = async (selector) => {
+      const { x, y, width, height } = await tab.locator(selector).boundingBox();
+      return { x: x + width / 2, y: y + height / 2 };
+    };
+    const stage = await middle("#map"), [lead, resist] = [await middle("button:has-text('lead')"), await middle("button:has-text('Resist')")];
+    await tab.touchscreen.tap(lead.x, lead.y);
+    await pressed(tab, "Give");
+    await touch("touchStart", { ...stage, id: 1 });
+    for (let i = 0; i < 10; i++) {
+      await touch("touchMove", { x: stage.x + 4 * i, y: stage.y, id: 1 });
+      await tab.waitForTimeout(80);
+    }
+    // a second finger holds the button
+    await touch("touchStart", { x: stage.x + 36, y: stage.y, id: 1 }, { ...resist, id: 2 });
+    await pressed(tab, "Resist");
+    await touch("touchEnd");
+    await tab.touchscreen.tap(lead.x, lead.y);
+  }, { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true });
+  assert.ok(touched.get("pointermove").length > 3 && touched.get("pointerdown")[0].by === "touch", "a finger");
+  assert.deepEqual(touched.get("resist").map(({ on }) => on), [true, false]);
+  const padded = await notes(async (tab) => {
+    const pad = (change) => tab.evaluate((change) => Object.assign(globalThis.pad, change), change);
+    const buttons = (lead, resist) => [{ pressed: lead }, { pressed: resist }];
+    await pad({ buttons: buttons(true, false) });
+    await pressed(tab, "Give");
+    await pad({ axes: [1, 0], buttons: buttons(false, true) });
+    await pressed(tab, "Resist");
+    await tab.waitForTimeout(800);
+    await pad({ axes: [0, 0], buttons: buttons(true, false) });
+  }, { viewport: { width: 1024, height: 760 } }, () => {
+    globalThis.pad = { connected: true, axes: [0, 0], buttons: [{ pressed: false }, { pressed: false }] };
+    navigator.getGamepads = () => [globalThis.pad];
+  });
+  assert.ok(padded.get("gamepad").some(({ stick, pressed }) => stick[0] === 1 && pressed.includes(1)), JSON.stringify(padded.get("gamepad")));
+  running.server.kill("SIGKILL");
+  other.cocarry("study", "collect", "study.toml", "-o", "answers");
+  const carried = other.table("answers/carries.csv");
+  assert.deepEqual(carried.map(({ differs_within_s, human_led_from_s }) => [differs_within_s, human_led_from_s !== ""]), [["", true], ["", true]]);
+  rmSync(other.folder, { recursive: true });
+  console.log(`hands: ${touched.get("pointermove").length} moves of a finger, a button held by a second one, and a gamepad are recorded, lead and resist; both episodes replay equal`);
+}
+
+const participants = () => study.table("answers/participants.csv").length;
+const collect = (file) => cocarry("study", "collect", "study.toml", "--add", file, "-o", "answers", "--overwrite");
+// Builds the page for a sink, with a code that all get, and serves it as any host does.
+async function built(name, ...sink) {
+  cocarry("study", "build", "code.toml", "-o", name, ...sink, ...simulator);
+  return serveFolder(join(folder, `${name}/`));
+}
+
+// Plain files on any host: the participant saves a file, and has a code only then.
 async function withoutServer() {
-  cocarry("study", "build", "study.toml", "-o", "site", ...simulator);
-  const host = await serveFolder(join(folder, "site/"));
+  const host = await built("site");
   const context = await browser.newContext({ viewport: { width: 1024, height: 760 }, acceptDownloads: true });
-  const tab = await goThrough(await opened(context, "", host.address));
+  const tab = await goThrough(await opened(context, host.address));
+  assert.ok(!(await tab.locator("#code").isVisible()));
   await looked(tab, "end-saved");
-  assert.equal(await tab.locator("#code").count(), 0);
   const [saved] = await Promise.all([tab.waitForEvent("download"), tab.locator("#save").click()]);
   await saved.saveAs(join(folder, "saved.json"));
-  assert.deepEqual(faultsOf.get(tab), []);
+  await tab.locator("#code").waitFor();
+  await tab.reload();
+  assert.equal(await tab.locator("#code").textContent(), "C0FFEE");
+  assert.deepEqual(faults(tab), []);
   await context.close();
   host.close();
-  for (const _ of [1, 2]) cocarry("study", "collect", "study.toml", "--add", "saved.json", "-o", "answers", "--overwrite");
-  const people = readFileSync(join(folder, "answers/participants.csv"), "utf8").trim().split("\n");
-  assert.equal(people.length, 1 + 2, people.join("\n"));
-  console.log("without a server: the file that a participant saves is added once");
+  const before = participants();
+  for (const _ of [1, 2]) assert.match(collect("saved.json"), /added saved.json as p\w+\n/);
+  assert.equal(participants(), before + 1);
+  console.log("without a server: the code is shown after the download; the file that a participant saves is added once");
+}
+
+// JATOS, by a stub of its published functions: a host that has jatos.js next to the page, keeps lines, and fails at times.
+const JATOS = `
+let n = 0;
+const kept = () => localStorage.getItem("result") ?? "";
+const later = (act) => new Promise((done, fail) => setTimeout(() => (++n % 5 === 2 ? fail("no connection") : done(act())), 20));
+globalThis.jatos = {
+  urlQueryParameters: { PROLIFIC_PID: "jatos123456" },
+  onLoad: (callback) => setTimeout(callback, 50),
+  appendResultData: (text) => later(() => localStorage.setItem("result", kept() + text)),
+  endStudyWithoutRedirect: (isGood) => later(() => localStorage.setItem("ended", String(isGood))),
+};`;
+async function inJatos() {
+  const host = await built("jatos", "--sink", "jatos");
+  const context = await browser.newContext({ viewport: { width: 390, height: 800 } });
+  // outside of it a sentence says so
+  const outside = await opened(context, host.address);
+  await outside.waitForSelector("#stopped");
+  assert.match(await outside.locator("#stopped").textContent(), /made for JATOS, and is not in it/);
+  await outside.close();
+  writeFileSync(join(folder, "jatos/jatos.js"), JATOS);
+  const host2 = await serveFolder(join(folder, "jatos/"));
+  let tab = await opened(context, host2.address), isEarly = true;
+  const result = () => tab.evaluate(() => localStorage.getItem("result"));
+  tab = await goThrough(tab, async (number) => {
+    if (number === 4 && isEarly) {
+      isEarly = false;
+      await tab.waitForTimeout(1500);
+      writeFileSync(join(folder, "early.txt"), await result());
+      await tab.reload();
+      await onPage(tab, number);
+    }
+    return tab;
+  });
+  await tab.locator("#code").waitFor();
+  await looked(tab, "end-jatos");
+  assert.equal(await tab.locator("#code").textContent(), "C0FFEE");
+  assert.equal(await tab.evaluate(() => localStorage.getItem("ended")), "true");
+  writeFileSync(join(folder, "results.txt"), await result());
+  assert.deepEqual(faults(tab), []);
+  await context.close();
+  host.close();
+  host2.close();
+  const before = participants();
+  assert.match(collect("early.txt"), /, which has no end\n/);
+  assert.equal(participants(), before);
+  for (const _ of [1, 2]) assert.match(collect("results.txt"), /added results.txt as p\w+\n/);
+  assert.equal(participants(), before + 1);
+  console.log("JATOS (a stub of its functions): results of a session so far, and of the whole one, are added once");
+}
+
+// DataPipe, by a stub of its published address: it fails, loses a receipt, and knows the file the second time.
+async function throughDataPipe() {
+  const host = await built("datapipe", "--sink", "datapipe=abc123");
+  const files = new Map(), answers = [];
+  const through = async (answer) => {
+    const context = await browser.newContext({ viewport: { width: 390, height: 800 } });
+    await context.route("https://pipe.jspsych.org/api/data/", async (route) => {
+      if (route.request().method() === "OPTIONS") return route.fulfill({ status: 204, headers: { "access-control-allow-origin": "*", "access-control-allow-headers": "*" } });
+      const { experimentID, filename, data } = JSON.parse(route.request().postData());
+      assert.equal(experimentID, "abc123");
+      return answer(route, filename, data);
+    });
+    const tab = await goThrough(await opened(context, host.address));
+    return { context, tab };
+  };
+  const reply = (route, status, body) => route.fulfill({ status, headers: { "access-control-allow-origin": "*" }, contentType: "application/json", body: JSON.stringify(body) });
+  const { context, tab } = await through((route, filename, data) => {
+    answers.push(filename);
+    if (answers.length === 1) return reply(route, 400, { error: "OSF_UPLOAD_ERROR" });
+    if (files.has(filename)) return reply(route, 400, { error: "OSF_FILE_EXISTS" });
+    files.set(filename, data);
+    return route.abort("connectionreset");
+  });
+  await tab.locator("#code").waitFor();
+  assert.deepEqual([answers.length, files.size], [3, 1]);
+  assert.deepEqual(faults(tab).filter((fault) => fault !== "asked https://pipe.jspsych.org/api/data/"), []);
+  // the page may send nothing anywhere else
+  assert.equal(await tab.evaluate(() => fetch("https://example.org/").then(() => "sent", () => "refused")), "refused");
+  await context.close();
+  const [[name, data]] = files;
+  writeFileSync(join(folder, name), data);
+  const before = participants();
+  for (const _ of [1, 2]) collect(name);
+  assert.equal(participants(), before + 1);
+  // what DataPipe does not take, the participant saves
+  const refused = await through((route) => reply(route, 400, { error: "DATA_COLLECTION_NOT_ACTIVE" }));
+  assert.ok(!(await refused.tab.locator("#code").isVisible()));
+  await looked(refused.tab, "end-refused");
+  const [saved] = await Promise.all([refused.tab.waitForEvent("download"), refused.tab.locator("#save").click()]);
+  await saved.saveAs(join(folder, "refused.json"));
+  await refused.tab.locator("#code").waitFor();
+  await refused.context.close();
+  collect("refused.json");
+  assert.equal(participants(), before + 2);
+  host.close();
+  console.log("DataPipe (a stub of its address): a failure and a lost receipt give one file, which is added once; what it refuses is saved");
 }
 
 try {
+  if (mode === "hands") {
+    await handled();
+    process.exit(0);
+  }
   collected(await one());
   await killedOften();
+  if (carries) await handled();
+  writeFileSync(join(folder, "code.toml"), readFileSync(join(folder, "study.toml"), "utf8").replace("# code = ", "code = "));
   await withoutServer();
+  await inJatos();
+  await throughDataPipe();
 } finally {
   await browser.close();
   server.kill("SIGKILL");

@@ -163,7 +163,9 @@ fn scales(study: &Study) -> String {
     for scale in &study.scales {
         let range = match scale.kind {
             ScaleKind::NasaTlx => "0 to 100 (NASA Task Load Index)".to_owned(),
-            ScaleKind::Likert => format!("1 ({}) to {} ({})", scale.ends[0], scale.points, scale.ends[1]),
+            ScaleKind::Likert | ScaleKind::Fluency => {
+                format!("1 ({}) to {} ({})", scale.ends[0], scale.points, scale.ends[1])
+            }
         };
         let item = |item: &&str| vec![scale.name.clone(), (*item).to_owned(), range.clone()];
         rows.extend(scale.items().iter().map(item));

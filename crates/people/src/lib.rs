@@ -25,7 +25,7 @@ mod walk;
 pub use carry::carry_scenario;
 pub use collect::{Collected, CollectedCarry, carries_table, collect};
 pub use ethics::ethics_page;
-pub use import::add_file;
+pub use import::{Added, add_file};
 pub use order::{Trial, orders};
 pub use server::{Admin, Serving, serve, token};
 pub use simulate::{Truth, simulate};

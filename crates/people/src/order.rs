@@ -27,6 +27,8 @@ pub enum Trial {
         world: usize,
         /// The option.
         option: usize,
+        /// How often the walk was shown before, and once more.
+        repetition: u64,
         /// Whether the answer does not count.
         practice: bool,
     },
@@ -86,28 +88,18 @@ fn pages(study: &Study, row: usize, worlds: &[usize]) -> Vec<Trial> {
         if let Some(world) = practice {
             pages.push(match task {
                 Task::Percentages => Trial::Percentages { world, practice: true },
-                Task::Switch => Trial::Switch { world, option: 0, practice: true },
+                Task::Switch => Trial::Switch { world, option: 0, repetition: 1, practice: true },
                 Task::Carry => Trial::Carry { world, method: study.methods[0].name(), practice: true },
             });
         }
         if at == 0 {
             pages.extend(ask(&before));
         }
-        for (place, &world) in worlds.iter().enumerate() {
-            match task {
-                Task::Percentages => pages.push(Trial::Percentages { world, practice: false }),
-                Task::Switch => {
-                    let options = study.worlds[world].options.len();
-                    let option = |o: usize| (o + row + place) % options;
-                    let led = (0..options).map(option);
-                    pages.extend(led.map(|option| Trial::Switch { world, option, practice: false }));
-                }
-                Task::Carry => {
-                    let methods = study.methods.len();
-                    let method = |m: usize| study.methods[(m + row + place) % methods].name();
-                    let carried = (0..methods).map(method);
-                    pages.extend(carried.map(|method| Trial::Carry { world, method, practice: false }));
-                }
+        for repetition in 1..=study.trials(task) {
+            for (place, &world) in worlds.iter().enumerate() {
+                // another one comes first in each row, place and repetition
+                let shift = row + place + repetition as usize - 1;
+                pages.extend(measured(study, task, world, shift, repetition));
             }
         }
         if at == 0 {
@@ -116,6 +108,21 @@ fn pages(study: &Study, row: usize, worlds: &[usize]) -> Vec<Trial> {
     }
     pages.extend((0..study.scales.len()).map(|scale| Trial::Scale { scale }));
     pages
+}
+
+/// The pages of a task in a world, its options or methods rotated by `shift`.
+fn measured(study: &Study, task: Task, world: usize, shift: usize, repetition: u64) -> Vec<Trial> {
+    let rotated = |count: usize| (0..count).map(move |at| (at + shift) % count);
+    let practice = false;
+    match task {
+        Task::Percentages => vec![Trial::Percentages { world, practice }],
+        Task::Switch => rotated(study.worlds[world].options.len())
+            .map(|option| Trial::Switch { world, option, repetition, practice })
+            .collect(),
+        Task::Carry => rotated(study.methods.len())
+            .map(|method| Trial::Carry { world, method: study.methods[method].name(), practice })
+            .collect(),
+    }
 }
 
 #[cfg(test)]

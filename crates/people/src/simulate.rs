@@ -92,11 +92,12 @@ fn answer(study: &Study, page: &Trial, perception: Perception, eta: f64, rng: &m
                 "hidden_ms": 0,
             })
         }
-        Trial::Switch { world, option, practice } => {
+        Trial::Switch { world, option, repetition, practice } => {
             let world = &study.worlds[world];
             let step = switch(world, option, eta);
             json!({
                 "task": "switch", "world": world.name, "option": world.options[option], "practice": practice,
+                "repetition": repetition,
                 "step": step, "ms": step.map(|step| 1000.0 * Settings::default().planning_step * step as f64),
                 "frame": null, "plays": 1, "stalls": 0, "longest_frame_ms": 0,
             })
@@ -110,7 +111,7 @@ fn answer(study: &Study, page: &Trial, perception: Perception, eta: f64, rng: &m
             let scale = &study.scales[scale];
             let middle = match scale.kind {
                 ScaleKind::NasaTlx => 50,
-                ScaleKind::Likert => scale.points.div_ceil(2),
+                ScaleKind::Likert | ScaleKind::Fluency => scale.points.div_ceil(2),
             };
             let answers: Vec<Value> = scale.items().iter().map(|item| json!([item, middle])).collect();
             json!({ "task": "scale", "name": scale.name, "answers": answers })

@@ -21,13 +21,55 @@ const CLIENT: [(&str, &str, &str); 4] = [
 const MODULE: &str = "cocarry.wasm";
 
 /// Where the page sends what it records.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Sink {
     /// To the server that it comes from.
     Server,
     /// Into a file, which the participant downloads at the end and hands over.
     Download,
+    /// To JATOS, in which the page is a component of a study.
+    Jatos,
+    /// To DataPipe, which passes it on to a project of the Open Science Framework: the experiment's id there.
+    DataPipe(String),
 }
+
+/// Where DataPipe takes answers.
+const DATAPIPE: &str = "https://pipe.jspsych.org";
+
+impl Sink {
+    /// Its name, as the page knows it.
+    fn name(&self) -> &'static str {
+        match self {
+            Self::Server => "server",
+            Self::Download => "download",
+            Self::Jatos => "jatos",
+            Self::DataPipe(_) => "datapipe",
+        }
+    }
+
+    /// What the head of the page has for it: the page loads nothing from elsewhere, and sends nothing but to its
+    /// sink. Our own server says that itself.
+    fn head(&self) -> String {
+        let (hosts, script) = match self {
+            Self::Server => return String::new(),
+            Self::Download => ("", ""),
+            // JATOS has this file next to every component, and runs a worker
+            Self::Jatos => ("", "<script src=\"jatos.js\"></script>\n"),
+            Self::DataPipe(_) => (DATAPIPE, ""),
+        };
+        let others = if *self == Self::Jatos { "; worker-src 'self' blob:" } else { "" };
+        let connect = format!("'self' {hosts}");
+        let connect = connect.trim_end();
+        format!(
+            "<meta http-equiv=\"content-security-policy\" content=\"default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; \
+             style-src 'self' 'unsafe-inline'; img-src 'self' data:; connect-src {connect}; base-uri 'none'; form-action 'none'{others}\">\n\
+             {script}"
+        )
+    }
+}
+
+/// Before this of the built client comes what a sink needs.
+const BEFORE: &str = "<link rel=\"icon\"";
 
 /// A file of the page.
 #[derive(Clone, Debug)]
@@ -64,14 +106,23 @@ impl Site {
         let shown: String = shown.map(String::as_str).collect();
         let digest = sha256((content.to_string() + &shown).as_bytes());
         content["digest"] = json!(digest);
-        content["sink"] = json!(match sink {
-            Sink::Server => "server",
-            Sink::Download => "download",
-        });
+        content["sink"] = json!(sink.name());
+        if let Sink::DataPipe(experiment) = &sink {
+            content["datapipe"] =
+                json!({ "address": format!("{DATAPIPE}/api/data/"), "experiment": experiment });
+        }
+        // without a server of ours, whoever reads the page's files finds the code in them
+        if sink != Sink::Server {
+            content["end"]["code"] = json!(study.end.code);
+        }
+        let head = sink.head();
         let client = CLIENT.iter().map(|&(name, mime, text)| SiteFile {
             name: name.into(),
             mime,
-            bytes: text.as_bytes().into(),
+            bytes: match name {
+                "index.html" => text.replacen(BEFORE, &format!("{head}{BEFORE}"), 1).into_bytes().into(),
+                _ => text.as_bytes().into(),
+            },
         });
         let maps = shots.into_iter().enumerate().map(|(at, shots)| SiteFile {
             name: map_file(at).into(),

@@ -8,6 +8,8 @@ use anyhow::Context;
 use cocarry::arithmetic;
 use cocarry::coordination::Mode;
 use cocarry::episode::{Episode, Outcome};
+use cocarry::geometry::Point;
+use cocarry::options::{Crossing, OptionSet};
 use cocarry::scenario::{EpisodeLog, PreparedScenario};
 use cocarry::{bounds, located};
 use cocarry_recording::recording::{Ending, FileRecorder};
@@ -60,6 +62,8 @@ pub(super) struct Replayed {
     pub human_led_from: Option<f64>,
     /// The option that was executed at the end.
     pub option: String,
+    /// The options through whose openings the team went.
+    pub ways: Vec<String>,
 }
 
 /// Runs the episode of a log, called `name` in errors, until it ends or differs; `record` is the recording to
@@ -81,6 +85,8 @@ pub(super) fn replayed(
     let mut digests = log.digests.iter().peekable();
     let mut same = 0_u64;
     let mut human_led_from = None;
+    let mut crossed = Vec::new();
+    let mut position = episode.position();
     while episode.summary().steps < log.steps && difference.is_none() && episode.step().is_none() {
         if let Some(recorder) = &mut recorder {
             recorder.step(&episode).map_err(output)?;
@@ -88,6 +94,8 @@ pub(super) fn replayed(
         if episode.tick().mode == Mode::HumanLed {
             human_led_from.get_or_insert(episode.tick().time);
         }
+        go_through(prepared.options(), &mut crossed, position, episode.position());
+        position = episode.position();
         let steps = episode.summary().steps;
         while let Some((_, logged)) = digests.next_if(|(at, _)| *at <= steps) {
             let digest = format!("{:016x}", episode.state().digest());
@@ -104,7 +112,28 @@ pub(super) fn replayed(
     let difference = difference.or_else(|| ends_otherwise(log, &episode, outcome));
     let option = prepared.options().options()[episode.tick().executed].name.clone();
     let (steps, seconds) = (episode.summary().steps, seconds(&prepared, &episode));
-    Ok(Replayed { same, difference, steps, seconds, outcome, human_led_from, option })
+    let ways = ways(prepared.options(), &crossed, outcome == Some(Outcome::Arrived));
+    Ok(Replayed { same, difference, steps, seconds, outcome, human_led_from, option, ways })
+}
+
+/// Adds the openings that a step goes through; one that is gone through back again is not counted.
+fn go_through(options: &OptionSet, crossed: &mut Vec<Crossing>, from: Point, to: Point) {
+    for crossing in options.crossings(from, to) {
+        match crossed.last() == Some(&crossing.back()) {
+            true => drop(crossed.pop()),
+            false => crossed.push(crossing),
+        }
+    }
+}
+
+/// The options with these openings in this order: all of theirs after an arrival, else their first ones. None of
+/// a team that has not left the first room.
+fn ways(options: &OptionSet, crossed: &[Crossing], has_arrived: bool) -> Vec<String> {
+    let fits = |theirs: &[Crossing]| match has_arrived {
+        true => theirs == crossed,
+        false => !crossed.is_empty() && theirs.starts_with(crossed),
+    };
+    options.options().iter().filter(|o| fits(&o.crossings)).map(|o| o.name.clone()).collect()
 }
 
 /// How the end is another one than the log's, if it is.

@@ -56,6 +56,54 @@ function team({ scale_px: scale, anchor, start_m: start, object_m: [length, brea
   return { group, update, back };
 }
 
+// Calls `change` while a button is held, by pointer or key.
+function held(button, change) {
+  let isHeld = false;
+  const turn = (next) => next !== isHeld && change((isHeld = next));
+  button.addEventListener("pointerdown", (event) => {
+    if (event.button === 0) turn(true);
+  });
+  for (const end of ["pointerup", "pointercancel", "pointerleave", "blur"]) button.addEventListener(end, () => turn(false));
+  button.addEventListener("keydown", ({ code }) => code === "Space" && turn(true));
+  button.addEventListener("keyup", ({ code }) => code === "Space" && turn(false));
+  // what is held down on a touch screen is not a menu
+  button.addEventListener("contextmenu", (event) => event.preventDefault());
+}
+
+// Notes where a pointer that is down on the picture is, m in whole millimetres, and of what kind it is.
+function pointerNotes(stage, floor, note) {
+  let isOn = false;
+  const down = new Set();
+  const tell = (event) => {
+    const at = floor(event.clientX, event.clientY).map((value) => Math.round(value * 1e3) / 1e3);
+    note(event.type, { data: { at, by: event.pointerType } });
+  };
+  stage.addEventListener("pointerdown", (event) => {
+    if (!isOn || event.button !== 0) return;
+    down.add(event.pointerId);
+    tell(event);
+  });
+  stage.addEventListener("pointermove", (event) => down.has(event.pointerId) && tell(event));
+  for (const end of ["pointerup", "pointercancel"]) stage.addEventListener(end, (event) => down.delete(event.pointerId) && tell(event));
+  return { turnOn: (next) => void (isOn = next) };
+}
+
+// Notes stick and buttons of gamepads where they change; called for every picture.
+function gamepadNotes(note) {
+  const known = new Map();
+  return () => {
+    for (const pad of navigator.getGamepads?.() ?? []) {
+      if (!pad?.connected) continue;
+      const stick = [0, 1].map((axis) => Math.round((pad.axes[axis] ?? 0) * 100) / 100);
+      const data = { pad: pad.index, stick, pressed: pad.buttons.flatMap(({ pressed }, index) => (pressed ? [index] : [])) };
+      const text = JSON.stringify(data);
+      if (known.get(pad.index) === text) continue;
+      known.set(pad.index, text);
+      note("gamepad", { data });
+    }
+  };
+}
+
 export const CarryAlong = plugin("carry", async (display, trial) => {
   const { world, carry, method, note } = trial;
   show(display, "Carry along", make("p", {}, "One moment: the simulator is loaded."));
@@ -70,10 +118,11 @@ export const CarryAlong = plugin("carry", async (display, trial) => {
   bodies.update(core);
   // the one in which pointers count
   const stage = make("div", { class: "stage carried", id: "map" }, map, picture);
-  const says = make("p", { role: "status" }, "You are the person in blue. Arrow keys, or the mouse held down, move your hand; T takes the lead, and gives it back; R, held, resists.");
+  const says = make("p", { role: "status" }, "You are the person in blue. Move your hand with a finger or the mouse held down on the picture, the arrow keys, or a gamepad's stick. T or the button takes the lead, and gives it back; R or the button, held, resists.");
   const button = make("button", { type: "button" }, "Start");
   const lead = make("button", { type: "button", class: "quiet", hidden: true, "aria-pressed": "false" }, "Take the lead (T)");
-  show(display, "Carry along", ...practice(trial), stage, says, make("p", {}, button, " ", lead));
+  const resist = make("button", { type: "button", class: "quiet", hidden: true, "aria-pressed": "false" }, "Resist (hold R)");
+  show(display, "Carry along", ...practice(trial), stage, says, make("p", { class: "hands" }, button, lead, resist));
   await map.decode().catch(() => {});
   button.focus({ preventScroll: true });
 
@@ -82,26 +131,31 @@ export const CarryAlong = plugin("carry", async (display, trial) => {
     const at = picture.getScreenCTM().inverse();
     return bodies.back([at.a * x + at.c * y + at.e, at.b * x + at.d * y + at.f]);
   };
-  const hands = new Carry(stage, { floor, bearing: () => Math.PI / 2, onChange: () => {} });
+  const hands = new Carry(stage, { floor, bearing: () => Math.PI / 2, onChange: () => tell() });
   const tell = () => {
     lead.setAttribute("aria-pressed", String(hands.isLeading));
     lead.textContent = hands.isLeading ? "Give the lead back (T)" : "Take the lead (T)";
+    resist.setAttribute("aria-pressed", String(hands.isResisting));
   };
   const keyed = (event) => {
     if (!hands.key(event, event.type === "keydown")) return;
     event.preventDefault();
     if (!event.repeat) note(event.type, { data: { key: event.key } });
-    tell();
   };
   lead.addEventListener("click", () => {
     hands.lead(!hands.isLeading);
     note("lead", { data: { on: hands.isLeading } });
-    tell();
   });
+  held(resist, (isHeld) => {
+    hands.resist(isHeld);
+    note("resist", { data: { on: isHeld } });
+  });
+  const pointed = pointerNotes(stage, floor, note), padded = gamepadNotes(note);
   await new Promise((begin) => button.addEventListener("click", begin, { once: true }));
   button.hidden = true;
-  lead.hidden = false;
+  lead.hidden = resist.hidden = false;
   hands.turnOn(true);
+  pointed.turnOn(true);
   for (const event of ["keydown", "keyup"]) document.addEventListener(event, keyed);
 
   const options = core.about.options, time = () => core.value("time");
@@ -116,6 +170,7 @@ export const CarryAlong = plugin("carry", async (display, trial) => {
       if (since > STALL_MS) stalls += 1;
       lost += Math.max(0, since / 1000 - MAX_CAUGHT_UP_S);
       wanted += Math.min(since / 1000, MAX_CAUGHT_UP_S);
+      padded();
       let progress = null;
       while (time() < wanted && progress !== OVER) {
         hands.decide(core, options);
@@ -133,10 +188,11 @@ export const CarryAlong = plugin("carry", async (display, trial) => {
   });
   for (const event of ["keydown", "keyup"]) document.removeEventListener(event, keyed);
   hands.turnOn(false);
+  pointed.turnOn(false);
   const log = core.log();
   core.close();
   says.textContent = log.outcome === "arrived" ? WORDS.arrived : WORDS.other;
-  lead.hidden = true;
+  lead.hidden = resist.hidden = true;
   button.hidden = false;
   button.textContent = "Continue";
   button.focus({ preventScroll: true });

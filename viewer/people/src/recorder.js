@@ -1,4 +1,4 @@
-// Records what happens in a trial: every second, and at its end, a numbered chunk goes to the journal, then to the server.
+// Records what happens in a trial: every second, and at its end, a numbered chunk goes to the journal, then to the sink.
 const INTERVAL_MS = 1000;
 
 export const hex = (bytes) => Array.from(new Uint8Array(bytes), (byte) => byte.toString(16).padStart(2, "0")).join("");
@@ -12,7 +12,7 @@ export function wholeDigest(chunks) {
 
 export class Recorder {
   #journal;
-  #server;
+  #sink;
   #say;
   #fail;
   #trial = 0;
@@ -24,10 +24,10 @@ export class Recorder {
   // every chunk of the session
   chunks;
 
-  // `chunks` are those of the journal. `server` is null where nothing is sent.
-  constructor({ journal, server, chunks, say, fail }) {
+  // `chunks` are those of the journal.
+  constructor({ journal, sink, chunks, say, fail }) {
     this.#journal = journal;
-    this.#server = server;
+    this.#sink = sink;
     this.#say = say;
     this.#fail = fail;
     this.chunks = chunks;
@@ -79,17 +79,17 @@ export class Recorder {
     try {
       await this.#journal.add(chunk);
     } catch (error) {
-      // without a server there is no other place
-      if (!this.#server) return this.#fail(`This browser cannot keep your answers (${error.name}). Free some space on the disk and load this page again.`);
+      // where chunks are not sent there is no other place
+      if (!this.#sink.put) return this.#fail(`This browser cannot keep your answers (${error.name}). Free some space on the disk and load this page again.`);
       this.#say("This browser cannot keep your answers. They are sent, but do not close or reload this page.");
     }
   }
 
   #send(chunk) {
-    if (!this.#server) return;
+    if (!this.#sink.put) return;
     this.#sending = this.#sending.then(async () => {
       try {
-        await this.#server.put(chunk);
+        await this.#sink.put(chunk);
       } catch (error) {
         return this.#fail(`${sentence(error.message)} Your answers up to here are kept.`);
       }
@@ -98,21 +98,21 @@ export class Recorder {
     });
   }
 
-  // Waits until the server has everything; returns its answer with the code.
+  // Waits until the sink has everything; returns its answer, which may have the code.
   async finish() {
     await this.#flush();
     await this.#sending;
     const digest = await wholeDigest(this.chunks);
     try {
-      return await this.#server.finish(digest);
+      return await this.#sink.finish(digest, this.chunks);
     } catch (error) {
       if (error.reason !== "not-whole") throw error;
     }
     // what the server lost, if it lost anything
-    const known = new Set((await this.#server.chunks()).chunks.map(([trial, number]) => `${trial} ${number}`));
+    const known = new Set((await this.#sink.chunks()).chunks.map(([trial, number]) => `${trial} ${number}`));
     for (const chunk of this.chunks) if (!known.has(`${chunk.trial} ${chunk.number}`)) this.#send(chunk);
     await this.#sending;
-    return this.#server.finish(digest);
+    return this.#sink.finish(digest);
   }
 }
 

@@ -17,7 +17,7 @@ function place(group, world, walk, ms) {
 }
 
 export const Switch = plugin("switch", async (display, trial) => {
-  const { world, option, note } = trial;
+  const { world, option, repetition, note } = trial;
   const walk = world.walks[option], duration = walk.steps * walk.step_ms;
   const [width, height] = world.size;
   const map = make("img", { class: "map", src: world.file, alt: "Map of walls and obstacles from above, with A, B and the ways", width, height });
@@ -42,7 +42,7 @@ export const Switch = plugin("switch", async (display, trial) => {
       document.removeEventListener("visibilitychange", hidden);
     };
     const result = () => ({
-      world: world.name, option: world.options[option], practice: trial.practice, ...answer, plays, stalls, longest_frame_ms: Math.round(longest),
+      world: world.name, option: world.options[option], repetition, practice: trial.practice, ...answer, plays, stalls, longest_frame_ms: Math.round(longest),
     });
     const start = () => {
       [phase, frames, stalls, longest] = ["playing", 0, 0, 0];

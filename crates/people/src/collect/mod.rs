@@ -1,6 +1,7 @@
 //! The tables of a study: what `cocarry fit` and `cocarry infer` read, who took part, and what every column
 //! means.
 
+mod groups;
 mod tables;
 #[cfg(test)]
 mod tests;
@@ -8,10 +9,10 @@ mod tests;
 use crate::carry::carry_scenario;
 use crate::order::orders;
 use crate::store::StoredSession;
-use crate::study::{Study, StudyWorld};
+use crate::study::{SUBSCALES, ScaleKind, Study, StudyWorld};
 use cocarry::episode::Settings;
 use cocarry::scenario::{EpisodeLog, Scenario};
-use cocarry_studies::fit::Guidance;
+use cocarry_studies::fit::{Executed, Guidance, Switch as Episode};
 use serde::Deserialize;
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -63,6 +64,7 @@ struct Switch {
     world: String,
     option: String,
     practice: bool,
+    repetition: u64,
     step: Option<u64>,
     ms: Option<f64>,
     frame: Option<u64>,
@@ -109,6 +111,8 @@ pub fn collect(study: &Study, sessions: &[StoredSession], with_unfinished: bool)
         switches: Table::new("switches.csv", &SWITCHES),
         participants: Table::new("participants.csv", &PARTICIPANTS),
         responses: Table::new("responses.csv", &RESPONSES),
+        people: Vec::new(),
+        episodes: Vec::new(),
         carries: Vec::new(),
         left_out: Vec::new(),
     };
@@ -121,9 +125,10 @@ pub fn collect(study: &Study, sessions: &[StoredSession], with_unfinished: bool)
     // all orders have as many pages
     let pages = orders.first().map_or(0, Vec::len);
     used.iter().for_each(|session| collecting.add(session, pages));
+    collecting.add_people();
     let Collecting { answers, switches, participants, responses, carries, left_out, .. } = collecting;
     let mut files: Vec<_> = [answers, switches, participants, responses].map(Table::finish).into();
-    files.push(dictionary());
+    files.push(dictionary(study));
     files.push(("README.md".to_owned(), readme(study, used.len(), &left_out).into_bytes()));
     let of_files = study.worlds[..study.measured_worlds()].iter().filter(|world| !world.is_built_in);
     files.extend(of_files.map(|world| (world.name.clone(), world.world.text.clone().into_bytes())));
@@ -136,6 +141,10 @@ struct Collecting<'a> {
     switches: Table,
     participants: Table,
     responses: Table,
+    /// The rows of participants, which still lack the group of their eta.
+    people: Vec<Vec<String>>,
+    /// Every walk with the eta that it allows.
+    episodes: Vec<Episode>,
     carries: Vec<CollectedCarry>,
     left_out: Vec<String>,
 }
@@ -166,10 +175,9 @@ impl Collecting<'_> {
                     true => self.percentages(participant, &answer, &mut flags),
                 },
                 Ok(Done::Switch(switch)) => {
-                    match known.insert((switch.world.clone(), Some(switch.option.clone()))) {
-                        false => {
-                            Err(format!("a second walk on option {} of {}", switch.option, switch.world))
-                        }
+                    let walk = format!("{} for the {}. time", switch.option, switch.repetition);
+                    match known.insert((switch.world.clone(), Some(walk.clone()))) {
+                        false => Err(format!("a second walk on option {walk} of {}", switch.world)),
                         true => self.switch(participant, &switch, &mut flags),
                     }
                 }
@@ -192,11 +200,7 @@ impl Collecting<'_> {
                     Ok(())
                 }
                 Ok(Done::Scale { name, answers }) => {
-                    for (item, answer) in answers {
-                        let cells =
-                            [participant.clone(), name.clone(), item, answer.to_string(), String::new()];
-                        self.responses.row(cells.into());
-                    }
+                    self.scale(participant, &name, &answers);
                     Ok(())
                 }
             };
@@ -206,7 +210,7 @@ impl Collecting<'_> {
             }
         }
         let flags = flags.into_iter().collect::<Vec<_>>().join(" ");
-        self.participants.row(vec![
+        self.people.push(vec![
             participant.clone(),
             (session.place + 1).to_string(),
             seen,
@@ -219,6 +223,30 @@ impl Collecting<'_> {
             right.to_string(),
             flags,
         ]);
+    }
+
+    /// Adds the rows of participants, with the group of their eta.
+    fn add_people(&mut self) {
+        let groups = groups::of_participants(&self.study.eta_groups, &self.episodes);
+        for mut row in std::mem::take(&mut self.people) {
+            row.push(groups.get(&row[0]).cloned().unwrap_or_default());
+            self.participants.row(row);
+        }
+    }
+
+    /// Adds the answers of a page of scales, and the means of its subscales if it has any.
+    fn scale(&mut self, participant: &str, name: &str, answers: &[(String, f64)]) {
+        let mut row = |item: &str, answer: String| {
+            self.responses.row([participant, name, item, &answer, ""].map(str::to_owned).into());
+        };
+        answers.iter().for_each(|(item, answer)| row(item, answer.to_string()));
+        let scale = self.study.scales.iter().find(|scale| scale.name == name);
+        let Some(scale) = scale.filter(|scale| scale.kind == ScaleKind::Fluency) else { return };
+        let numbers: Vec<f64> = answers.iter().map(|(_, answer)| *answer).collect();
+        for subscale in &SUBSCALES {
+            let mean = subscale.mean(&numbers, scale.points);
+            row(&format!("mean: {}", subscale.name), mean.map_or(String::new(), |mean| format!("{mean:.3}")));
+        }
     }
 
     fn world(&self, name: &str) -> Result<&StudyWorld, String> {
@@ -281,6 +309,17 @@ impl Collecting<'_> {
         if let Some(step) = switch.step.filter(|step| *step >= walk.steps()) {
             return Err(format!("step {step} of a walk that has {}", walk.steps()));
         }
+        if !(1..=self.study.switch_trials).contains(&switch.repetition) {
+            return Err(format!("a walk shown for the {}. time", switch.repetition));
+        }
+        self.episodes.push(Episode {
+            line: 0,
+            participant: participant.to_owned(),
+            world: switch.world.clone(),
+            executed: Executed::Option(switch.option.clone()),
+            step: switch.step,
+            etas: walk.etas(switch.step),
+        });
         if switch.stalls > 0 || switch.longest_frame_ms > 500.0 {
             flags.insert("pictures-stalled");
         }
@@ -297,6 +336,7 @@ impl Collecting<'_> {
             number(switch.frame),
             switch.plays.to_string(),
             switch.stalls.to_string(),
+            switch.repetition.to_string(),
         ]);
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! The tables that are written: their columns, the dictionary of these, and the README beside them.
 
-use crate::study::Study;
+use crate::study::{SUBSCALES, Scale, ScaleKind, Study};
 use cocarry_studies::table::text_cell;
 use std::fmt::Write;
 
@@ -24,7 +24,7 @@ pub(super) const ANSWERS: [Column; 7] = [
     ("answered_s", "s", "time from the display of the map to the answer"),
     ("hidden_s", "s", "of it, while the page was not visible"),
 ];
-pub(super) const SWITCHES: [Column; 8] = [
+pub(super) const SWITCHES: [Column; 9] = [
     PARTICIPANT,
     WORLD,
     OPTION,
@@ -37,8 +37,9 @@ pub(super) const SWITCHES: [Column; 8] = [
     ("frame", "", "the number of pictures that had been shown until then"),
     ("plays", "", "how often the walk was begun: again after the page was hidden"),
     ("stalls", "", "the number of pictures that came more than 100 ms after the one before"),
+    ("trial", "", "which showing of this walk it was, from 1"),
 ];
-pub(super) const PARTICIPANTS: [Column; 11] = [
+pub(super) const PARTICIPANTS: [Column; 12] = [
     PARTICIPANT,
     ("number", "", "the participant's number, from 1"),
     ("order", "", "the row of the Latin square, from 1"),
@@ -50,17 +51,27 @@ pub(super) const PARTICIPANTS: [Column; 11] = [
     ("pages", "", "the number of all pages"),
     ("questions_right", "", "the number of questions answered rightly, in the attempts allowed"),
     ("flags", "", "what to look at before the participant is used; nobody is left out for a flag"),
+    (
+        "eta_group",
+        "planning steps of 0.2 s",
+        "the eta of the study file's groups that is nearest, by ratio, to the one that `cocarry fit eta` estimates; \
+         empty: no groups, or the walks do not say",
+    ),
 ];
 pub(super) const RESPONSES: [Column; 5] = [
     PARTICIPANT,
     ("page", "", "name of the scale; `question` for a question with a right answer"),
-    ("item", "", "the scale's statement, or the question"),
-    ("answer", "", "the number on the scale, or the last answer"),
+    ("item", "", "the scale's statement, or the question; `mean: ...` for a subscale"),
+    (
+        "answer",
+        "",
+        "the number on the scale, or the last answer; reversed statements are turned round in means only",
+    ),
     ("right", "", "whether the answer of a question is right"),
 ];
 
 /// The episodes in which participants carried, run again.
-const CARRIES: [Column; 11] = [
+const CARRIES: [Column; 12] = [
     PARTICIPANT,
     WORLD,
     ("method", "", "the robot's method"),
@@ -76,6 +87,12 @@ const CARRIES: [Column; 11] = [
     ),
     ("stalls", "", "the number of pictures that came more than 100 ms after the one before"),
     ("behind_clock_s", "s", "the time by which the episode fell behind the clock"),
+    (
+        "options_walked",
+        "",
+        "the options, divided by semicolons, whose openings are those that the team went through, in this order, there and \
+         back again left out; of an episode that ended earlier, those that begin so; empty: none",
+    ),
 ];
 
 /// A table that is being written.
@@ -114,7 +131,7 @@ pub fn carries_table(rows: impl IntoIterator<Item = [String; CARRIES.len()]>) ->
 }
 
 /// What every column means.
-pub(super) fn dictionary() -> (String, Vec<u8>) {
+pub(super) fn dictionary(study: &Study) -> (String, Vec<u8>) {
     const COLUMNS: [Column; 4] =
         [("file", "", ""), ("column", "", ""), ("unit", "", ""), ("meaning", "", "")];
     let mut table = Table::new("dictionary.csv", &COLUMNS);
@@ -130,7 +147,21 @@ pub(super) fn dictionary() -> (String, Vec<u8>) {
             table.row([file, name, unit, meaning].map(str::to_owned).into());
         }
     }
+    let fluency = study.scales.iter().filter(|scale| scale.kind == ScaleKind::Fluency);
+    fluency.flat_map(subscale_rows).for_each(|row| table.row(row));
     table.finish()
+}
+
+/// What the means of a fluency scale are of: a row for each statement of a subscale.
+fn subscale_rows(scale: &Scale) -> Vec<Vec<String>> {
+    let unit = format!("1 to {}", scale.points);
+    let row = |name: &str, (statement, is_reversed): (&str, bool)| {
+        let part = if is_reversed { "reversed part" } else { "part" };
+        let meaning = format!("{part} of `mean: {name}`: {statement} (after Hoffman 2019)");
+        vec!["responses.csv".to_owned(), "item".to_owned(), unit.clone(), meaning]
+    };
+    let rows = SUBSCALES.iter().flat_map(|s| s.statements().map(|statement| row(s.name, statement)));
+    rows.collect()
 }
 
 pub(super) fn readme(study: &Study, participants: usize, left_out: &[String]) -> String {

@@ -51,7 +51,7 @@ fn a_forged_answer_is_left_out_and_named_and_a_formula_is_none() {
     };
     let switch = |option: &str, step: u64| {
         record(
-            json!({ "task": "switch", "world": "environment-1", "option": option, "practice": false, "step": step,
+            json!({ "task": "switch", "world": "environment-1", "option": option, "practice": false, "repetition": 1, "step": step,
             "ms": 1.0, "frame": 1, "plays": 1, "stalls": 0, "longest_frame_ms": 20.0 }),
         )
     };
@@ -85,7 +85,7 @@ fn a_forged_answer_is_left_out_and_named_and_a_formula_is_none() {
         assert!(line.contains(said), "{line}: {said}");
     }
     assert_eq!(file(&collected, "answers.csv").lines().count(), 5);
-    assert_eq!(file(&collected, "switches.csv").lines().nth(1), Some("p1,environment-1,1,3,1,1,1,0"));
+    assert_eq!(file(&collected, "switches.csv").lines().nth(1), Some("p1,environment-1,1,3,1,1,1,0,1"));
     assert!(file(&collected, "responses.csv").contains("p1,'=cmd(),'=1+1,3,"));
     assert!(file(&collected, "participants.csv").lines().nth(1).unwrap().contains("left-out"));
 }

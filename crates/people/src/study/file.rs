@@ -1,6 +1,8 @@
 //! A study file, read and checked, with its worlds loaded.
 
-use super::{End, MAX_NAME, MAX_PARTICIPANTS, Question, Scale, ScaleKind, Study, StudyWorld, Task, is_word};
+use super::{
+    End, MAX_NAME, MAX_PARTICIPANTS, Question, Scale, ScaleKind, Study, StudyWorld, Task, fluency, is_word,
+};
 use cocarry::bounds;
 use cocarry::error::{Error, Place};
 use cocarry::located::{self, Source};
@@ -14,6 +16,8 @@ use toml::Spanned;
 
 /// The largest number of worlds, of questions, of scales, and of the statements or answers of one.
 const MAX_ITEMS: usize = 24;
+/// The largest number of times that a walk is shown.
+const MAX_TRIALS: u64 = 10;
 /// The longest text of a page, characters.
 const MAX_TEXT: usize = 20_000;
 
@@ -33,7 +37,7 @@ struct StudyText {
     consent: ConsentText,
     practice: Option<PracticeText>,
     percentages: Option<InstructionsText>,
-    switch: Option<InstructionsText>,
+    switch: Option<SwitchText>,
     carry: Option<CarryText>,
     #[serde(default)]
     question: Vec<QuestionText>,
@@ -67,6 +71,14 @@ struct PracticeText {
 #[serde(deny_unknown_fields)]
 struct InstructionsText {
     text: Spanned<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SwitchText {
+    text: Spanned<String>,
+    trials: Option<Spanned<u64>>,
+    eta_groups: Option<Spanned<Vec<f64>>>,
 }
 
 #[derive(Deserialize)]
@@ -196,6 +208,8 @@ impl Study {
             platform_ids: given.platform_ids.into_iter().map(Spanned::into_inner).collect(),
             consent,
             instructions,
+            switch_trials: source.trials(given.switch.as_ref())?,
+            eta_groups: source.eta_groups(given.switch.as_ref())?,
             methods: source.methods(given.carry.as_ref())?,
             questions: given.question.iter().map(|q| source.question(q)).collect::<Result<_, _>>()?,
             scales,
@@ -267,6 +281,31 @@ impl<'a> Checked<'a> {
         Ok(StudyWorld { name, world, set, options, prospects, is_built_in })
     }
 
+    /// How often each walk of the task `switch` is shown.
+    fn trials(self, given: Option<&SwitchText>) -> Result<u64, Error> {
+        let Some(trials) = given.and_then(|given| given.trials.as_ref()) else { return Ok(1) };
+        match (1..=MAX_TRIALS).contains(trials.get_ref()) {
+            true => Ok(*trials.get_ref()),
+            false => {
+                let expected = format!("a whole number from 1 to {MAX_TRIALS}");
+                Err(self.wrong(trials, "trials", trials.get_ref(), &expected))
+            }
+        }
+    }
+
+    /// The eta of the groups, ascending.
+    fn eta_groups(self, given: Option<&SwitchText>) -> Result<Vec<f64>, Error> {
+        let Some(groups) = given.and_then(|given| given.eta_groups.as_ref()) else { return Ok(Vec::new()) };
+        let etas = groups.get_ref();
+        let is_eta = |eta: &f64| eta.is_finite() && *eta > 0.0;
+        let ascend = etas.windows(2).all(|pair| pair[0] < pair[1]);
+        if (2..=MAX_ITEMS).contains(&etas.len()) && etas.iter().all(is_eta) && ascend {
+            return Ok(etas.clone());
+        }
+        let expected = "two or more numbers above 0, in planning steps, each larger than the one before";
+        Err(self.wrong(groups, "eta_groups", self.written(groups), expected))
+    }
+
     /// The methods of the task `carry`; none without it.
     fn methods(self, given: Option<&CarryText>) -> Result<Vec<Method>, Error> {
         let Some(CarryText { methods, .. }) = given else { return Ok(Vec::new()) };
@@ -309,8 +348,23 @@ impl<'a> Checked<'a> {
     fn scale(self, given: &ScaleText) -> Result<Scale, Error> {
         let name = self.text(&given.name, "name", MAX_NAME)?;
         let kind = *given.kind.get_ref();
-        let points = given.points.as_ref().map_or(7, |points| *points.get_ref());
+        let points = given.points.as_ref().map_or(fluency::POINTS, |points| *points.get_ref());
+        if let Some(given) = given.points.as_ref().filter(|p| !(2..=11).contains(p.get_ref())) {
+            return Err(self.wrong(given, "points", points, "a whole number from 2 to 11"));
+        }
         match kind {
+            ScaleKind::Fluency => {
+                if !given.statements.is_empty() || !matches!(given.ends.len(), 0 | 2) {
+                    let place = self.place(&given.kind, "kind");
+                    let sentence =
+                        "\"fluency\" has its own statements; give no `statements`, and both `ends` or none";
+                    return Err(Error::value(place, sentence));
+                }
+                let texts = |texts: &[&str]| texts.iter().map(|text| (*text).to_owned()).collect();
+                let ends = if given.ends.is_empty() { texts(&fluency::ENDS) } else { given.ends.clone() };
+                let statements = texts(&fluency::STATEMENTS.map(|statement| statement.text));
+                return Ok(Scale { name, kind, statements, points, ends });
+            }
             ScaleKind::NasaTlx => {
                 if !given.statements.is_empty() || given.points.is_some() || !given.ends.is_empty() {
                     let place = self.place(&given.kind, "kind");
@@ -328,9 +382,6 @@ impl<'a> Checked<'a> {
                 }
                 if given.ends.len() != 2 || !is_filled(&given.ends) {
                     return Err(Error::missing(place(), "`ends`: the words at both ends of the scale"));
-                }
-                if let Some(given) = given.points.as_ref().filter(|p| !(2..=11).contains(p.get_ref())) {
-                    return Err(self.wrong(given, "points", points, "a whole number from 2 to 11"));
                 }
             }
         }

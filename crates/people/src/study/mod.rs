@@ -1,6 +1,7 @@
 //! A study: what participants do, in which worlds, and what they read.
 
 mod file;
+mod fluency;
 #[cfg(test)]
 mod tests;
 
@@ -10,6 +11,8 @@ use cocarry::preference::Prospect;
 use cocarry::world::World;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
+
+pub(crate) use fluency::SUBSCALES;
 
 /// A commented study file, to start from.
 pub const TEMPLATE: &str = include_str!("../../../../assets/people/study.toml");
@@ -67,6 +70,10 @@ pub struct Study {
     pub consent: [String; 2],
     /// Instructions of the tasks, by their place in `tasks`.
     pub instructions: Vec<String>,
+    /// How often each walk of a robot that leads is shown.
+    pub switch_trials: u64,
+    /// The eta (planning steps) by which participants are grouped, ascending; none without groups.
+    pub eta_groups: Vec<f64>,
     /// The methods of the robot with which they carry, each in every world.
     pub methods: Vec<Method>,
     /// The questions with a right answer.
@@ -126,7 +133,7 @@ pub struct Scale {
     pub name: String,
     /// The scales on it.
     pub kind: ScaleKind,
-    /// The statements of a Likert scale.
+    /// The statements of a Likert scale, or of the fluency scale.
     pub statements: Vec<String>,
     /// The number of its points.
     pub points: u64,
@@ -139,7 +146,7 @@ impl Scale {
     pub fn items(&self) -> Vec<&str> {
         match self.kind {
             ScaleKind::NasaTlx => NASA_TLX.to_vec(),
-            ScaleKind::Likert => self.statements.iter().map(String::as_str).collect(),
+            ScaleKind::Likert | ScaleKind::Fluency => self.statements.iter().map(String::as_str).collect(),
         }
     }
 }
@@ -156,6 +163,8 @@ pub enum ScaleKind {
     NasaTlx,
     /// Statements, with a number of points each.
     Likert,
+    /// The statements about fluency after Hoffman (2019), with means of their subscales.
+    Fluency,
 }
 
 /// The end of a study.
@@ -185,6 +194,11 @@ impl Study {
     /// Whether participants carry: the page then needs the simulator as a WebAssembly module.
     pub fn has_carry(&self) -> bool {
         self.tasks.contains(&Task::Carry)
+    }
+
+    /// How often a task is done in each world.
+    pub fn trials(&self, task: Task) -> u64 {
+        if task == Task::Switch { self.switch_trials } else { 1 }
     }
 
     /// A world whose answers count, by its name in tables.

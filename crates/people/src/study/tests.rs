@@ -30,6 +30,13 @@ fn an_error_has_its_place_its_value_and_what_would_be_right() {
         ("right = 2 ", "right = 4 ", ["right = 4", "from 1 to 3"]),
         ("attempts = 3", "attempts = 0", ["attempts = 0", "from 1 to 10"]),
         ("points = 7", "points = 1", ["points = 1", "from 2 to 11"]),
+        (
+            "eta_groups = [5.0, 10.5",
+            "eta_groups = [5.0, 4.0",
+            ["eta_groups = [5.0, 4.0", "larger than the one before"],
+        ),
+        ("# trials = 2", "trials = 0", ["trials = 0", "from 1 to 10"]),
+        ("kind = \"likert\"", "kind = \"fluency\"", ["kind", "has its own statements"]),
         ("# code = \"C0FFEE\"", "code = \"<b>\"", ["end.code", "letters, digits"]),
         ("title = ", "titel = ", ["titel", "title"]),
         ("version = \"1\"", "version = \"\"", ["version", "1 to 200 characters"]),

@@ -43,17 +43,25 @@ pub(super) struct StudyArguments {
 
 /// Write the page of a study as plain files, for any web host
 ///
-/// Without a server, the answers are in the participant's browser, and the last page saves them as a file,
-/// which the participant hands over: `cocarry study collect --add FILE` reads it. There is no completion
-/// code, since nothing on such a page is secret.
+/// Without a server of ours, `--sink` says where answers go. `download`: the last page saves them as a file,
+/// which the participant hands over. `jatos`: to JATOS, with the files as the assets of a study's component.
+/// `datapipe=ID`: to DataPipe, which passes them on to the Open Science Framework. `cocarry study collect --add
+/// FILE` reads what these have. The code of the study file is shown after the receipt, or after the download;
+/// who reads the page's files finds it earlier.
 #[derive(Args, Debug)]
-#[command(after_help = examples(&[("cocarry study build carrying/study.toml -o site", "the page, in the new folder site")]))]
+#[command(after_help = examples(&[
+    ("cocarry study build carrying/study.toml -o site", "the page, in the new folder site"),
+    ("cocarry study build carrying/study.toml --sink jatos -o site", "for the assets of a study in JATOS"),
+]))]
 pub(super) struct BuildArguments {
     /// Study file (TOML)
     study: PathBuf,
     /// Folder to write into; it is created if it does not exist
     #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
+    /// Where the answers go: download, jatos or datapipe=ID with the experiment's id
+    #[arg(long, value_name = "SINK", default_value = "download", value_parser = sink)]
+    sink: GivenSink,
     #[command(flatten)]
     module: ModuleArguments,
     #[command(flatten)]
@@ -132,7 +140,8 @@ pub(super) struct CollectArguments {
     /// Also use the pages of those who did not finish
     #[arg(long)]
     with_unfinished: bool,
-    /// Add a file that a participant saved where the page has no server; may be given several times
+    /// Add answers of a page without our server: a file that a participant saved or that DataPipe passed on, or
+    /// results of JATOS; may be given several times
     #[arg(long, value_name = "FILE")]
     add: Vec<PathBuf>,
     /// Collect the participants of `cocarry study simulate`
@@ -158,7 +167,7 @@ pub(super) struct ForgetArguments {
 ///
 /// alpha, gamma and eta are drawn as for docs/data/simulated-answers.csv. A participant gives 100 % to the
 /// option that eq. (3) chooses (5 % of the answers say nothing), and stops following where phi(k) of eq. (5)
-/// exceeds 1.
+/// exceeds 1. Pages of the task `carry` stay empty.
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
     ("cocarry study simulate study.toml --participants 40 --truth truth.csv", ""),
@@ -190,6 +199,26 @@ pub(super) fn run_study(action: &Action) -> Result<ExitCode, Failure> {
             "this program was built without the feature `people`; build it with `cargo install --path crates/program \
              --features people`"
         )))
+    }
+}
+
+/// Where a page without our server sends what it records.
+#[derive(Clone, Debug)]
+#[cfg_attr(not(feature = "people"), allow(dead_code, reason = "only studies with people have pages"))]
+enum GivenSink {
+    Download,
+    Jatos,
+    DataPipe(String),
+}
+
+fn sink(text: &str) -> Result<GivenSink, String> {
+    let is_id = |id: &&str| !id.is_empty() && id.chars().all(|c| c.is_ascii_alphanumeric());
+    match (text, text.strip_prefix("datapipe=").filter(is_id)) {
+        ("download", _) => Ok(GivenSink::Download),
+        ("jatos", _) => Ok(GivenSink::Jatos),
+        (_, Some(id)) => Ok(GivenSink::DataPipe(id.to_owned())),
+        _ => Err("must be download, jatos, or datapipe=ID with the letters and digits of an experiment's id"
+            .to_owned()),
     }
 }
 

@@ -1,7 +1,7 @@
 //! The work of `cocarry study`.
 
 use super::{
-    Action, BuildArguments, CollectArguments, EthicsArguments, ForgetArguments, ModuleArguments,
+    Action, BuildArguments, CollectArguments, EthicsArguments, ForgetArguments, GivenSink, ModuleArguments,
     NewArguments, ServeArguments, SimulateArguments,
 };
 use crate::demo::files::Pages;
@@ -108,7 +108,10 @@ fn run_check(file: &Path) -> Result<(), Failure> {
                 let carries = study.measured_worlds() * study.methods.len();
                 (counted(carries as u64, "carry"), CARRY_S * carries as f64)
             }
-            Task::Switch => (counted(walks.len() as u64, "walk"), walks.iter().sum()),
+            Task::Switch => {
+                let shown = walks.len() as u64 * study.switch_trials;
+                (counted(shown, "walk"), study.switch_trials as f64 * walks.iter().sum::<f64>())
+            }
         };
         seconds += took;
         let _ = writeln!(text, "{}: {what}", task.name());
@@ -154,8 +157,14 @@ fn site(study: &Study, sink: Sink, ModuleArguments { page }: &ModuleArguments) -
     Site::new(study, sink, module).map_err(input)
 }
 
-fn run_build(BuildArguments { study, output, module, overwrite }: &BuildArguments) -> Result<(), Failure> {
-    let site = site(&read(study)?, Sink::Download, module)?;
+fn run_build(arguments: &BuildArguments) -> Result<(), Failure> {
+    let BuildArguments { study, output, sink, module, overwrite } = arguments;
+    let sink = match sink {
+        GivenSink::Download => Sink::Download,
+        GivenSink::Jatos => Sink::Jatos,
+        GivenSink::DataPipe(experiment) => Sink::DataPipe(experiment.clone()),
+    };
+    let site = site(&read(study)?, sink, module)?;
     let files: Vec<(PathBuf, &[u8])> =
         site.files.iter().map(|file| (output.join(&*file.name), &*file.bytes)).collect();
     // before folders are made, which have no files then
@@ -228,8 +237,10 @@ fn run_collect(arguments: &CollectArguments) -> Result<(), Failure> {
     if !arguments.add.is_empty() {
         let digest = Site::new(&study, Sink::Download, None).map_err(input)?.digest;
         for file in &arguments.add {
-            let session = add_file(&study, &digest, &mut store, file, now()).map_err(input)?;
-            print(&format!("added {} as {}\n", file.display(), session.participant))?;
+            for added in add_file(&study, &digest, &mut store, file, now()).map_err(input)? {
+                let end = if added.is_finished { "" } else { ", which has no end" };
+                print(&format!("added {} as {}{end}\n", file.display(), added.participant))?;
+            }
         }
     }
     let sessions = store.sessions().map_err(of_store)?;
@@ -267,7 +278,7 @@ fn replay_carries(
         let file = recordings.join(&name);
         overwrite.outputs([], [&file])?;
         let done = replayed(&carry.log, &name, Some((&file, overwrite.overwrite)))?;
-        let Replayed { same, difference, seconds, outcome, human_led_from, option, .. } = done;
+        let Replayed { same, difference, seconds, outcome, human_led_from, option, ways, .. } = done;
         let time = |seconds: f64| format!("{seconds:.2}");
         let differs_within = difference.as_ref().map(|_| time(seconds));
         if let Some(difference) = difference {
@@ -288,6 +299,7 @@ fn replay_carries(
             differs_within.unwrap_or_default(),
             carry.stalls.to_string(),
             carry.lost.to_string(),
+            ways.join("; "),
         ]);
     }
     let (name, table) = carries_table(rows);
@@ -315,10 +327,7 @@ fn run_simulate(arguments: &SimulateArguments) -> Result<(), Failure> {
     let study = read(&arguments.study)?;
     let outputs = arguments.overwrite.outputs([study.file.as_path()], &arguments.truth)?;
     if study.has_carry() {
-        let file = study.file.display();
-        return Err(input(anyhow!(
-            "{file}: simulated participants do not carry; leave the task `carry` out"
-        )));
+        warn(&"simulated participants do not carry: their pages of the task `carry` stay empty");
     }
     let digest = Site::new(&study, Sink::Server, None).map_err(input)?.digest;
     let mut store = Store::open(&study.simulated_database()).map_err(of_store)?;
