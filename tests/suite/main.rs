@@ -58,6 +58,8 @@ mod spoiled_robot;
 mod starting;
 mod stimuli;
 mod study;
+#[cfg(feature = "people")]
+mod study_reports;
 mod study_server;
 mod suggestions;
 mod support;

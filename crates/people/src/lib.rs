@@ -3,6 +3,7 @@
 //!
 //! ```text
 //! study file -> Study -> Site -> page -> chunks -> Store -> Collected -> answers.csv, switches.csv, ...
+//! tables -> StudyTables -> report; simulated people -> power
 //! ```
 //!
 //! What a participant sees and answers is measured on a page: choices and timing, not forces. A mouse is not
@@ -15,6 +16,8 @@ mod ethics;
 mod html;
 mod import;
 mod order;
+mod power;
+mod report;
 mod server;
 mod simulate;
 mod site;
@@ -27,6 +30,11 @@ pub use collect::{Collected, CollectedCarry, carries_table, collect};
 pub use ethics::ethics_page;
 pub use import::{Added, add_file};
 pub use order::{Trial, orders};
+pub use power::{Effect, PowerRow, PowerSettings, power, power_document};
+pub use report::{
+    Carried, MEASURES, MIN_PEOPLE, Matched, Measure, ReportSettings, StudyPerson, StudyTables, report,
+    report_units,
+};
 pub use server::{Admin, Serving, serve, token};
 pub use simulate::{Truth, simulate};
 pub use site::{Sink, Site, SiteFile};

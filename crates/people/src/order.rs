@@ -53,6 +53,32 @@ pub enum Trial {
     },
 }
 
+impl Trial {
+    /// What it asks, in words for tables: the task, then where.
+    pub(crate) fn words(&self, study: &Study) -> String {
+        let world = |world: usize| &study.worlds[world].name;
+        let practice = |is_practice: bool| if is_practice { ", practice" } else { "" };
+        match *self {
+            Self::Consent => "consent".to_owned(),
+            Self::Instructions { of } => format!("instructions: {}", of.name()),
+            Self::Percentages { world: at, practice: p } => {
+                format!("percentages: {}{}", world(at), practice(p))
+            }
+            Self::Switch { world: at, option, repetition, practice: p } => {
+                let again =
+                    if study.switch_trials > 1 { format!(", walk {repetition}") } else { String::new() };
+                let option = &study.worlds[at].options[option];
+                format!("switch: {}, option {option}{again}{}", world(at), practice(p))
+            }
+            Self::Carry { world: at, method, practice: p } => {
+                format!("carry: {}, {method}{}", world(at), practice(p))
+            }
+            Self::Question { question } => format!("question: {}", question + 1),
+            Self::Scale { scale } => format!("scale: {}", study.scales[scale].name),
+        }
+    }
+}
+
 /// The orders of `count` items by which every item comes equally often at every place, and equally often
 /// directly after every other (Williams). An odd number needs the mirrored orders too.
 fn latin_square(count: usize) -> Vec<Vec<usize>> {
@@ -106,11 +132,11 @@ fn pages(study: &Study, row: usize, worlds: &[usize]) -> Vec<Trial> {
             pages.extend(ask(&between));
         }
     }
-    pages.extend((0..study.scales.len()).map(|scale| Trial::Scale { scale }));
+    pages.extend(scales(study, false));
     pages
 }
 
-/// The pages of a task in a world, its options or methods rotated by `shift`.
+/// The pages of a task in a world, its options or methods rotated by `shift`, with the scales after every carry.
 fn measured(study: &Study, task: Task, world: usize, shift: usize, repetition: u64) -> Vec<Trial> {
     let rotated = |count: usize| (0..count).map(move |at| (at + shift) % count);
     let practice = false;
@@ -121,8 +147,15 @@ fn measured(study: &Study, task: Task, world: usize, shift: usize, repetition: u
             .collect(),
         Task::Carry => rotated(study.methods.len())
             .map(|method| Trial::Carry { world, method: study.methods[method].name(), practice })
+            .flat_map(|carry| [carry].into_iter().chain(scales(study, true)))
             .collect(),
     }
+}
+
+/// The pages of scales: of those after every carry, or of the others.
+fn scales(study: &Study, is_after_carry: bool) -> impl Iterator<Item = Trial> {
+    let asked = move |scale: &usize| study.scales[*scale].is_after_carry == is_after_carry;
+    (0..study.scales.len()).filter(asked).map(|scale| Trial::Scale { scale })
 }
 
 #[cfg(test)]

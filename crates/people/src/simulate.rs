@@ -44,16 +44,11 @@ pub fn simulate(
     seed: u64,
 ) -> Result<Vec<Truth>, StoreError> {
     let orders = orders(study);
-    let draw = |[mean, std, lower, upper]: [f64; 4]| {
-        Marginal::truncated_normal(mean, std, lower, upper).expect("the ranges are not empty")
-    };
-    let (alpha, gamma) = (draw(ALPHA), draw(GAMMA));
     let mut truths = Vec::new();
     for person in 0..count {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(person);
-        let perception = Perception { alpha: alpha.sample(&mut rng), gamma: gamma.sample(&mut rng) };
-        let eta = TolerancePrior::default().sample(&mut rng);
+        let (perception, eta) = drawn(&mut rng);
         let key = sha256(format!("simulated {seed} {person}").as_bytes());
         let begin = Begin { key: &key, platform_ids: &[], study: digest, participants: count, now: 0 };
         let session = store.begin(&begin)?;
@@ -75,6 +70,20 @@ pub fn simulate(
     Ok(truths)
 }
 
+/// alpha and gamma, and eta, of a participant.
+pub(crate) fn drawn(rng: &mut ChaCha8Rng) -> (Perception, f64) {
+    let [alpha, gamma] = [ALPHA, GAMMA].map(|[mean, std, lower, upper]| {
+        Marginal::truncated_normal(mean, std, lower, upper).expect("the ranges are not empty").sample(rng)
+    });
+    (Perception { alpha, gamma }, TolerancePrior::default().sample(rng))
+}
+
+/// The option that a participant chooses in a world; now and then any.
+pub(crate) fn chosen(world: &StudyWorld, perception: Perception, rng: &mut ChaCha8Rng) -> usize {
+    let lapse = rng.random_bool(LAPSE_RATE).then(|| rng.random_range(0..world.options.len()));
+    lapse.unwrap_or_else(|| human_choice(&world.prospects, RISK_WEIGHT, perception, None))
+}
+
 /// What the page would record at the end of a trial. Simulated participants do not carry.
 fn answer(study: &Study, page: &Trial, perception: Perception, eta: f64, rng: &mut ChaCha8Rng) -> Value {
     match *page {
@@ -82,9 +91,7 @@ fn answer(study: &Study, page: &Trial, perception: Perception, eta: f64, rng: &m
         Trial::Instructions { .. } => json!({ "task": "instructions" }),
         Trial::Percentages { world, practice } => {
             let world = &study.worlds[world];
-            let lapse = rng.random_bool(LAPSE_RATE).then(|| rng.random_range(0..world.options.len()));
-            let chosen =
-                lapse.unwrap_or_else(|| human_choice(&world.prospects, RISK_WEIGHT, perception, None));
+            let chosen = chosen(world, perception, rng);
             let percent = |(o, name): (usize, &String)| json!([name, if o == chosen { 100 } else { 0 }]);
             let percent: Vec<Value> = world.options.iter().enumerate().map(percent).collect();
             json!({
@@ -121,8 +128,12 @@ fn answer(study: &Study, page: &Trial, perception: Perception, eta: f64, rng: &m
 
 /// The step at which a human of this eta stops following a robot that walks an option: where phi(k) exceeds 1.
 fn switch(world: &StudyWorld, option: usize, eta: f64) -> Option<u64> {
-    let guidance = Guidance::along_option(&world.set, &Settings::default(), option)?;
-    let Guidance::Option { discomfort, .. } = guidance else { return None };
+    stop(&Guidance::along_option(&world.set, &Settings::default(), option)?, eta)
+}
+
+/// The same on a walk.
+pub(crate) fn stop(walk: &Guidance, eta: f64) -> Option<u64> {
+    let Guidance::Option { discomfort, .. } = walk else { return None };
     let limit = eta * discomfort_limit(coordination::Settings::default().initial_stubbornness);
     discomfort.iter().position(|g| *g > limit).map(|step| step as u64)
 }

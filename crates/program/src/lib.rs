@@ -23,6 +23,7 @@ mod regress;
 mod render;
 mod replay;
 mod replay_log;
+mod report_folder;
 mod reproduce;
 mod robot;
 mod robot_check;

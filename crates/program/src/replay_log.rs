@@ -58,8 +58,15 @@ pub(super) struct Replayed {
     pub steps: u64,
     pub seconds: f64,
     pub outcome: Option<Outcome>,
-    /// The time at which the human first led, s.
+    /// The time at which the human first led, and the time during which the human led, s.
     pub human_led_from: Option<f64>,
+    pub human_led: f64,
+    /// How often the lead changed.
+    pub transitions: u64,
+    /// Length of the path walked, m.
+    pub walked: f64,
+    /// Mean force of the human's hand, and the largest in either grip, N; `None` without physics.
+    pub forces: Option<[f64; 2]>,
     /// The option that was executed at the end.
     pub option: String,
     /// The options through whose openings the team went.
@@ -84,7 +91,8 @@ pub(super) fn replayed(
     let mut difference = None;
     let mut digests = log.digests.iter().peekable();
     let mut same = 0_u64;
-    let mut human_led_from = None;
+    let (mut human_led_from, mut human_led_steps, mut transitions) = (None, 0_u64, 0);
+    let mut lead = None;
     let mut crossed = Vec::new();
     let mut position = episode.position();
     while episode.summary().steps < log.steps && difference.is_none() && episode.step().is_none() {
@@ -93,7 +101,10 @@ pub(super) fn replayed(
         }
         if episode.tick().mode == Mode::HumanLed {
             human_led_from.get_or_insert(episode.tick().time);
+            human_led_steps += 1;
         }
+        let mode = episode.tick().mode;
+        transitions += u64::from(lead.replace(mode).is_some_and(|before| before != mode));
         go_through(prepared.options(), &mut crossed, position, episode.position());
         position = episode.position();
         let steps = episode.summary().steps;
@@ -113,7 +124,23 @@ pub(super) fn replayed(
     let option = prepared.options().options()[episode.tick().executed].name.clone();
     let (steps, seconds) = (episode.summary().steps, seconds(&prepared, &episode));
     let ways = ways(prepared.options(), &crossed, outcome == Some(Outcome::Arrived));
-    Ok(Replayed { same, difference, steps, seconds, outcome, human_led_from, option, ways })
+    let human_led = human_led_steps as f64 * prepared.scenario().settings.planning_step;
+    let (walked, felt) = (episode.summary().walked, episode.summary().interaction.as_ref());
+    let forces = felt.map(|felt| [felt.mean_force(), felt.peak_force]);
+    Ok(Replayed {
+        same,
+        difference,
+        steps,
+        seconds,
+        outcome,
+        human_led_from,
+        human_led,
+        transitions,
+        walked,
+        forces,
+        option,
+        ways,
+    })
 }
 
 /// Adds the openings that a step goes through; one that is gone through back again is not counted.

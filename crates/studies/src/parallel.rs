@@ -8,7 +8,7 @@ use std::sync::Mutex;
 pub type OnDone<'a> = &'a (dyn Fn() + Sync);
 
 /// The results of `work(0..n)` in index order, computed on all threads of the current pool.
-pub(crate) fn in_parallel<T: Send>(n: usize, on_done: OnDone, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
+pub fn in_parallel<T: Send>(n: usize, on_done: OnDone, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let results: Vec<_> = (0..n).map(|_| Mutex::new(None)).collect();
     for_each(n, &|i| {
         let result = work(i);

@@ -4,7 +4,10 @@
 //! equal or differ only by gait noise. There is then a single outcome, however often it was repeated, and no
 //! interval or test is given.
 
+use crate::parallel::{OnDone, in_parallel};
 use cocarry::math;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
 /// The relative difference below which values are equal up to rounding.
@@ -16,6 +19,60 @@ pub fn mean_and_std(values: &[f64]) -> (f64, f64) {
     let mean = values.iter().sum::<f64>() / n;
     let squares: f64 = values.iter().map(|v| math::squared(v - mean)).sum();
     (mean, (squares / (n - 1.0)).sqrt())
+}
+
+/// The quantiles of values, interpolated between neighbours; `None` without values.
+pub fn quantiles<const N: usize>(mut values: Vec<f64>, shares: [f64; N]) -> Option<[f64; N]> {
+    values.sort_by(f64::total_cmp);
+    let last = values.len().checked_sub(1)?;
+    Some(shares.map(|share| {
+        let at = share * last as f64;
+        let (below, part) = (at.floor() as usize, at.fract());
+        values[below] + part * (values[(below + 1).min(last)] - values[below])
+    }))
+}
+
+/// The 95 % percentile-bootstrap intervals of the means of several columns, whose rows are people: every
+/// resample takes the same people for all columns. Values that are missing are left out of a column's mean.
+/// `None` for a column with fewer than two values, or whose values are equal up to rounding: its resamples do
+/// not vary.
+pub fn bootstrapped(
+    rows: &[Vec<Option<f64>>],
+    resamples: usize,
+    seed: u64,
+    on_done: OnDone,
+) -> Vec<Option<[f64; 2]>> {
+    let columns = rows.first().map_or(0, Vec::len);
+    let means = in_parallel(resamples, on_done, |resample| {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(resample as u64);
+        let mut sums = vec![(0.0, 0.0); columns];
+        for _ in rows {
+            let row = &rows[rng.random_range(0..rows.len())];
+            for (sum, value) in sums.iter_mut().zip(row).filter_map(|(sum, value)| Some((sum, (*value)?))) {
+                *sum = (sum.0 + value, sum.1 + 1.0);
+            }
+        }
+        sums.iter().map(|(sum, count)| sum / count).collect::<Vec<f64>>()
+    });
+    let interval = |column: usize| {
+        let mut moments = Moments::default();
+        rows.iter().filter_map(|row| row[column]).for_each(|value| moments.add(value, value.abs()));
+        moments.estimate(true)?.interval?;
+        // a resample may have nobody with a value
+        let means = means.iter().map(|means| means[column]).filter(|mean| mean.is_finite());
+        quantiles(means.collect(), [0.025, 0.975])
+    };
+    (0..columns).map(interval).collect()
+}
+
+/// The 95 % interval of a probability from as many successes of `of` independent trials, by Wilson's score.
+pub fn wilson(successes: usize, of: usize) -> [f64; 2] {
+    const Z: f64 = 1.959_963_984_540_054;
+    let (n, p) = (of as f64, successes as f64 / of as f64);
+    let square = Z * Z / n;
+    let half = Z * (p * (1.0 - p) / n + square / (4.0 * n)).sqrt();
+    [p + square / 2.0 - half, p + square / 2.0 + half].map(|end| (end / (1.0 + square)).clamp(0.0, 1.0))
 }
 
 /// Count, mean, sum of squared deviations and largest magnitude of the values so far (Welford 1962).
@@ -245,6 +302,27 @@ mod tests {
         correct(all.iter_mut());
         let found = all.map(|c| c.p_holm.map(|p| (p * 1e6).round() / 1e6));
         assert_eq!(found, [Some(0.06), None, Some(0.04), Some(0.06), Some(0.06)]);
+    }
+
+    #[test]
+    fn a_bootstrap_interval_is_about_that_of_the_normal_and_none_where_nothing_varies() {
+        let rows: Vec<Vec<Option<f64>>> = (0..200)
+            .map(|i| vec![Some(f64::from(i * 37 % 200)), Some(3.0), (i == 0).then_some(1.0)])
+            .collect();
+        let found = bootstrapped(&rows, 2000, 1, &|| ());
+        let [low, high] = found[0].unwrap();
+        let half = 1.96 * mean_and_std(&(0..200).map(f64::from).collect::<Vec<_>>()).1 / 200f64.sqrt();
+        assert!((low - (99.5 - half)).abs() < 0.5 && (high - (99.5 + half)).abs() < 0.5, "{low} {high}");
+        assert_eq!(found[1..], [None, None]);
+        assert_eq!(bootstrapped(&[], 10, 1, &|| ()), []);
+    }
+
+    #[test]
+    fn golden_wilsons_interval() {
+        // Wilson (1927) with z = 1.96, as in tables: 8 of 10
+        let [low, high] = wilson(8, 10);
+        assert!((low - 0.490_162).abs() < 1e-5 && (high - 0.943_318).abs() < 1e-5, "{low} {high}");
+        assert_eq!([wilson(0, 10)[0], wilson(10, 10)[1]], [0.0, 1.0]);
     }
 
     #[test]

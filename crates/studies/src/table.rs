@@ -164,10 +164,11 @@ impl Table {
     /// Title, table and notes as Markdown; only the title if no column is for people.
     pub fn markdown(&self) -> String {
         let (headings, rows) = self.shown();
-        let mut text = format!("**{}** ([{name}.csv]({name}.csv))\n\n", self.title, name = self.name);
+        let title = escaped(&self.title);
+        let mut text = format!("**{title}** ([{name}.csv]({name}.csv))\n\n", name = self.name);
         if !headings.is_empty() {
             let line = |cells: &[&str]| {
-                let cells = cells.iter().map(|cell| cell.replace('|', "\\|"));
+                let cells = cells.iter().map(|cell| escaped(cell));
                 format!("| {} |\n", cells.collect::<Vec<_>>().join(" | "))
             };
             text += &line(&headings.iter().map(|h| h.0).collect::<Vec<_>>());
@@ -204,6 +205,18 @@ impl Table {
         };
         self.rows.iter().map(object).collect()
     }
+}
+
+/// A text that Markdown shows as it is, in a line or the cell of a table: names come from files.
+pub fn escaped(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for character in text.chars().map(|c| if c.is_control() { ' ' } else { c }) {
+        if "\\`*_[]<>&|#!".contains(character) {
+            escaped.push('\\');
+        }
+        escaped.push(character);
+    }
+    escaped
 }
 
 /// A text as the cell of a CSV file: one that a spreadsheet would take for a formula, and is no number, has an

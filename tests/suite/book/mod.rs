@@ -78,6 +78,7 @@ pages! {
     the_page_of_snapshots_can_be_followed: "book/src/snapshots.md",
     the_page_of_files_that_are_not_trusted_can_be_followed: "book/src/untrusted.md",
     the_page_of_people_can_be_followed: "book/src/people.md",
+    the_page_of_peoples_results_can_be_followed: "book/src/people-results.md",
     the_page_of_fits_can_be_followed: "book/src/fits.md",
     the_page_of_participants_can_be_followed: "book/src/participants.md",
     the_page_of_regression_can_be_followed: "book/src/regression.md",

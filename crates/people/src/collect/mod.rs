@@ -7,7 +7,7 @@ mod tables;
 mod tests;
 
 use crate::carry::carry_scenario;
-use crate::order::orders;
+use crate::order::{Trial, orders};
 use crate::store::StoredSession;
 use crate::study::{SUBSCALES, ScaleKind, Study, StudyWorld};
 use cocarry::episode::Settings;
@@ -122,9 +122,10 @@ pub fn collect(study: &Study, sessions: &[StoredSession], with_unfinished: bool)
     if unfinished > 0 && !with_unfinished {
         collecting.left_out.push(format!("{unfinished} who did not finish"));
     }
-    // all orders have as many pages
-    let pages = orders.first().map_or(0, Vec::len);
-    used.iter().for_each(|session| collecting.add(session, pages));
+    for session in sessions {
+        let pages = &orders[session.place as usize % orders.len()];
+        collecting.add(session, pages, with_unfinished || session.finished.is_some());
+    }
     collecting.add_people();
     let Collecting { answers, switches, participants, responses, carries, left_out, .. } = collecting;
     let mut files: Vec<_> = [answers, switches, participants, responses].map(Table::finish).into();
@@ -150,7 +151,8 @@ struct Collecting<'a> {
 }
 
 impl Collecting<'_> {
-    fn add(&mut self, session: &StoredSession, pages: usize) {
+    /// Adds a participant, and their answers if `is_used`.
+    fn add(&mut self, session: &StoredSession, pages: &[Trial], is_used: bool) {
         let participant = &session.participant;
         let (mut consent, mut seen, mut pages_done, mut right) = (String::new(), String::new(), 0, 0);
         let mut flags = BTreeSet::new();
@@ -162,12 +164,13 @@ impl Collecting<'_> {
             let data = done.get("data").cloned().unwrap_or_default();
             let read: Result<Done, _> = serde_json::from_value(data);
             let added = match read {
-                Err(error) => Err(format!("not a record of the page: {error}")),
-                Ok(Done::Instructions {}) => Ok(()),
                 Ok(Done::Consent { version, order }) => {
                     (consent, seen) = (version, order.to_string());
                     Ok(())
                 }
+                _ if !is_used => Ok(()),
+                Err(error) => Err(format!("not a record of the page: {error}")),
+                Ok(Done::Instructions {}) => Ok(()),
                 Ok(Done::Percentages(answer)) if answer.practice => Ok(()),
                 Ok(Done::Switch(switch)) if switch.practice => Ok(()),
                 Ok(Done::Percentages(answer)) => match known.insert((answer.world.clone(), None)) {
@@ -195,12 +198,13 @@ impl Collecting<'_> {
                     }
                     let answer = answers.last().cloned().unwrap_or_default();
                     let cells =
-                        [participant.clone(), "question".to_owned(), text, answer, is_right.to_string()];
-                    self.responses.row(cells.into());
+                        [participant.as_str(), "question", &text, &answer, &is_right.to_string(), "", ""];
+                    self.responses.row(cells.map(str::to_owned).into());
                     Ok(())
                 }
                 Ok(Done::Scale { name, answers }) => {
-                    self.scale(participant, &name, &answers);
+                    let about = carry_before(self.study, pages, *trial);
+                    self.scale(participant, &name, &answers, about);
                     Ok(())
                 }
             };
@@ -210,6 +214,7 @@ impl Collecting<'_> {
             }
         }
         let flags = flags.into_iter().collect::<Vec<_>>().join(" ");
+        let left_at = pages.get(pages_done as usize).filter(|_| session.finished.is_none());
         self.people.push(vec![
             participant.clone(),
             (session.place + 1).to_string(),
@@ -219,8 +224,9 @@ impl Collecting<'_> {
             consent,
             session.study.clone(),
             pages_done.to_string(),
-            pages.to_string(),
+            pages.len().to_string(),
             right.to_string(),
+            left_at.map_or(String::new(), |page| page.words(self.study)),
             flags,
         ]);
     }
@@ -235,9 +241,16 @@ impl Collecting<'_> {
     }
 
     /// Adds the answers of a page of scales, and the means of its subscales if it has any.
-    fn scale(&mut self, participant: &str, name: &str, answers: &[(String, f64)]) {
+    fn scale(
+        &mut self,
+        participant: &str,
+        name: &str,
+        answers: &[(String, f64)],
+        [world, method]: [&str; 2],
+    ) {
         let mut row = |item: &str, answer: String| {
-            self.responses.row([participant, name, item, &answer, ""].map(str::to_owned).into());
+            let cells = [participant, name, item, &answer, "", world, method];
+            self.responses.row(cells.map(str::to_owned).into());
         };
         answers.iter().for_each(|(item, answer)| row(item, answer.to_string()));
         let scale = self.study.scales.iter().find(|scale| scale.name == name);
@@ -375,4 +388,17 @@ impl Collecting<'_> {
 
 fn seconds(ms: f64) -> String {
     format!("{:.2}", ms / 1000.0)
+}
+
+/// World and method of the episode that the scales on a page are about; empty at the end of the study.
+fn carry_before<'s>(study: &'s Study, pages: &[Trial], trial: u32) -> [&'s str; 2] {
+    let Some(before) = pages.get(..=trial as usize) else { return ["", ""] };
+    let is_after = |scale: usize| study.scales[scale].is_after_carry;
+    if !matches!(before.last(), Some(Trial::Scale { scale }) if is_after(*scale)) {
+        return ["", ""];
+    }
+    match before.iter().rev().find(|page| !matches!(page, Trial::Scale { .. })) {
+        Some(Trial::Carry { world, method, .. }) => [&study.worlds[*world].name, method],
+        _ => ["", ""],
+    }
 }

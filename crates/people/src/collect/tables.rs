@@ -50,6 +50,12 @@ pub(super) const PARTICIPANTS: [Column; 12] = [
     ("pages_done", "", "the number of pages that the participant completed"),
     ("pages", "", "the number of all pages"),
     ("questions_right", "", "the number of questions answered rightly, in the attempts allowed"),
+    (
+        "left_at",
+        "",
+        "the page that a participant who did not finish did not complete; their answers are in no other table, unless \
+         asked for",
+    ),
     ("flags", "", "what to look at before the participant is used; nobody is left out for a flag"),
     (
         "eta_group",
@@ -58,7 +64,7 @@ pub(super) const PARTICIPANTS: [Column; 12] = [
          empty: no groups, or the walks do not say",
     ),
 ];
-pub(super) const RESPONSES: [Column; 5] = [
+pub(super) const RESPONSES: [Column; 7] = [
     PARTICIPANT,
     ("page", "", "name of the scale; `question` for a question with a right answer"),
     ("item", "", "the scale's statement, or the question; `mean: ...` for a subscale"),
@@ -68,10 +74,12 @@ pub(super) const RESPONSES: [Column; 5] = [
         "the number on the scale, or the last answer; reversed statements are turned round in means only",
     ),
     ("right", "", "whether the answer of a question is right"),
+    ("world", "", "of a scale after a carry: the world in which the participant carried"),
+    ("method", "", "of a scale after a carry: the robot's method"),
 ];
 
 /// The episodes in which participants carried, run again.
-const CARRIES: [Column; 12] = [
+const CARRIES: [Column; 17] = [
     PARTICIPANT,
     WORLD,
     ("method", "", "the robot's method"),
@@ -80,6 +88,11 @@ const CARRIES: [Column; 12] = [
     ("option", "", "the option that the team walked at the end"),
     ("duration_s", "s", "simulated time of the episode"),
     ("human_led_from_s", "s", "when the participant first led; empty: never"),
+    ("human_led_s", "s", "the time during which the participant led"),
+    ("transitions", "", "how often the lead changed, either way"),
+    ("walked_m", "m", "length of the path walked"),
+    ("hand_force_mean_n", "N", "mean of the simulated human's force on the object; nobody felt it"),
+    ("peak_force_n", "N", "largest simulated force in either grip"),
     (
         "differs_within_s",
         "s",

@@ -122,6 +122,7 @@ struct ScaleText {
     points: Option<Spanned<u64>>,
     #[serde(default)]
     ends: Vec<String>,
+    after: Option<Spanned<Task>>,
 }
 
 impl Study {
@@ -191,6 +192,10 @@ impl Study {
         let mut scales: Vec<Scale> = Vec::new();
         for scale in &given.scale {
             let read = source.scale(scale)?;
+            if let Some(after) = scale.after.as_ref().filter(|after| !tasks.contains(after.get_ref())) {
+                let expected = "left out, or \"carry\" among the tasks";
+                return Err(source.wrong(after, "after", source.written(after), expected));
+            }
             if scales.iter().any(|other| other.name == read.name) {
                 return Err(Error::duplicate(source.place(&scale.name, "name"), "scale"));
             }
@@ -385,8 +390,12 @@ impl<'a> Checked<'a> {
                 }
             }
         }
+        if let Some(after) = given.after.as_ref().filter(|after| *after.get_ref() != Task::Carry) {
+            let expected = "\"carry\", or left out: the scale then comes once, at the end";
+            return Err(self.wrong(after, "after", self.written(after), expected));
+        }
         let (statements, ends) = (given.statements.clone(), given.ends.clone());
-        Ok(Scale { name, kind, statements, points, ends })
+        Ok(Scale { name, kind, statements, points, ends, is_after_carry: given.after.is_some() })
     }
 
     fn end(self, given: Spanned<End>) -> Result<End, Error> {

@@ -139,6 +139,9 @@ pub struct Scale {
     pub points: u64,
     /// The words at its ends.
     pub ends: Vec<String>,
+    /// Whether it comes after every episode in which a participant carried, not once at the end.
+    #[serde(skip)]
+    pub is_after_carry: bool,
 }
 
 impl Scale {

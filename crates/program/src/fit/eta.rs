@@ -13,8 +13,8 @@ use cocarry::coordination;
 use cocarry::episode::Settings;
 use cocarry::math;
 use cocarry::scenario::{INITIAL_STUBBORNNESS, PLANNING_STEP, Plant, Scenario};
-use cocarry_output::drawing::{self, ToleranceRow};
-use cocarry_studies::fit::{Eta, EtaFit, Evidence, SwitchFile, fit_eta};
+use cocarry_studies::fit::{Eta, EtaFit, SwitchFile, fit_eta};
+use cocarry_studies::report::{no_interval, tolerances_picture};
 use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -81,10 +81,8 @@ pub(super) fn run_fit_eta(arguments: &EtaArguments) -> Result<(), Failure> {
     let switches = file.matched(&prepared).map_err(input)?;
     let fit = fit_eta(&switches);
     if let Some(path) = &arguments.svg {
-        let overall = fit.overall.map(|o| (o.median, o.log_std));
-        let svg = drawing::tolerances(&rows(&fit), overall, no_interval(&fit).as_deref())
-            .with_context(|| path.display().to_string())
-            .map_err(Failure::Output)?;
+        let svg =
+            tolerances_picture(&fit).with_context(|| path.display().to_string()).map_err(Failure::Output)?;
         write_file(&outputs, path, &svg)?;
     }
     if arguments.json {
@@ -170,12 +168,6 @@ fn text(fit: &EtaFit, planning_step: f64) -> String {
         + &format!("eta counts in planning steps of {planning_step} s.\n")
 }
 
-/// The reason why the interval of all participants is missing, if it is.
-fn no_interval(fit: &EtaFit) -> Option<String> {
-    fit.no_interval
-        .map(|reason| format!("the median's 95 % interval is not determined: participants: {reason}"))
-}
-
 fn interval([low, high]: [f64; 2]) -> String {
     match high.is_finite() {
         true => format!("{low:.2} to {high:.2}"),
@@ -188,15 +180,4 @@ fn evidence(eta: &Eta) -> String {
         Some(scatter) => format!("{}, factor {:.2}", eta.evidence.name(), math::exp(scatter)),
         None => eta.evidence.name().to_owned(),
     }
-}
-
-fn rows(fit: &EtaFit) -> Vec<ToleranceRow> {
-    let row = |eta: &Eta| ToleranceRow {
-        label: eta.participant.clone(),
-        bounds: eta.bounds.clone(),
-        estimate: eta.eta,
-        interval: eta.interval,
-        is_scattered: eta.evidence == Evidence::Scattered,
-    };
-    fit.participants.iter().map(row).collect()
 }

@@ -21,6 +21,7 @@ use cocarry_studies::fit::{
     AnswerFile, Answers, InferenceModel, InferenceSettings, Kind, Situation, Switch, SwitchFile, Switches,
     Walk, infer, infer_means,
 };
+use cocarry_studies::report::people_columns;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -142,7 +143,7 @@ pub(super) fn run_infer(arguments: &InferArguments) -> Result<ExitCode, Failure>
         })?
         .map_err(input)?;
     if let Some(path) = &arguments.csv {
-        write_file(&outputs, path, text::people(&inference).csv())?;
+        write_file(&outputs, path, people_columns(&inference.people).table("people", "Participants").csv())?;
     }
     if let Some(path) = &arguments.arviz {
         let store = inference.store(read.answers.as_ref(), switches, &settings);

@@ -4,52 +4,9 @@ use crate::output::table_with_notes;
 use cocarry_studies::fit::{
     Answers, Figure, HeldOut, Inference, InferenceSettings, Means, Person, Population, QUANTITIES, Score,
 };
+use cocarry_studies::report::{figure_columns, population_table, shown_interval};
 use cocarry_studies::table::{Cell, Columns, Table};
 use serde_json::{Value, json};
-
-fn interval([low, high]: [f64; 2], decimals: usize) -> String {
-    format!("{low:.decimals$} to {high:.decimals$}")
-}
-
-/// Adds the columns of a figure for programs; a row without it has none.
-fn figure<'a, R>(columns: Columns<'a, R>, key: &str, of: impl Fn(&R) -> Option<Figure>) -> Columns<'a, R> {
-    let value = |number: Option<f64>| Value::from(number.filter(|n| n.is_finite()));
-    let numbers = |f: Figure| {
-        let ends = [f.interval, f.interval_50, f.interval_80].into_iter().flatten();
-        [f.mean, f.std].into_iter().chain(ends).chain([f.median]).collect::<Vec<f64>>()
-    };
-    let parts = ["mean", "std", "low", "high", "low_50", "high_50", "low_80", "high_80", "median"];
-    parts.iter().enumerate().fold(columns, |columns, (i, part)| {
-        columns.data(&format!("{key}_{part}"), |row| value(of(row).map(|figure| numbers(figure)[i])))
-    })
-}
-
-/// Adds median and intervals of a figure, for people.
-fn intervals<'a, R>(columns: Columns<'a, R>, decimals: usize, of: impl Fn(&R) -> Figure) -> Columns<'a, R> {
-    columns
-        .derived("median", |row| format!("{:.decimals$}", of(row).median))
-        .derived("50 %", |row| interval(of(row).interval_50, decimals))
-        .derived("80 %", |row| interval(of(row).interval_80, decimals))
-        .derived("95 %", |row| interval(of(row).interval, decimals))
-}
-
-/// All figures of every participant, for programs.
-pub(super) fn people(inference: &Inference) -> Table {
-    let within = |which: usize| move |p: &Person| p.within_population.map(|figures| figures[which]);
-    let columns = Columns::of(&inference.people)
-        .text("participant", "participant", |p| p.participant.clone())
-        .count("answers", "answers", |p| p.answers as u64)
-        .count("sightings", "sightings", |p| p.sightings as u64);
-    let columns = figure(columns, "alpha", |p| Some(p.alpha));
-    let columns = figure(columns, "gamma", |p| Some(p.gamma))
-        .data("correlation", |p| p.correlation)
-        .data("information_nats", |p| p.information)
-        .data("log_evidence", |p| p.log_evidence);
-    let columns = figure(columns, "population_alpha", within(0));
-    let columns = figure(columns, "population_gamma", within(1));
-    let columns = columns.count("episodes", "episodes", |p| p.episodes as u64);
-    figure(columns, "eta", |p| p.eta).table("people", "Participants")
-}
 
 /// alpha or gamma of a participant.
 struct Parameter<'a> {
@@ -84,7 +41,7 @@ fn of_parameters<'a>(rows: &'a [Parameter<'a>], has_counts: bool) -> Columns<'a,
             columns = columns.derived(heading, |row| once(row, count(row.person).to_string()));
         }
     }
-    intervals(columns.text("parameter", "parameter", |row| row.name), 2, |row| row.figure)
+    figure_columns(columns.text("parameter", "parameter", |row| row.name), 2, |row| row.figure)
 }
 
 /// The tables for a terminal.
@@ -106,19 +63,19 @@ pub(super) fn tables(inference: &Inference, settings: &InferenceSettings) -> Vec
         tables.push(table.with_note(note));
     }
     if let Some(population) = &inference.population {
-        tables.push(of_population(population));
+        tables.push(population_table(population));
     }
     let watched: Vec<(&Person, Figure)> = inference.people.iter().filter_map(|p| Some((p, p.eta?))).collect();
     if !watched.is_empty() {
         let columns = Columns::of(&watched)
             .text("participant", "participant", |(p, _)| p.participant.clone())
             .count("episodes", "episodes", |(p, _)| p.episodes as u64);
-        let mut table = intervals(columns, 2, |(_, eta)| *eta)
+        let mut table = figure_columns(columns, 2, |(_, eta)| *eta)
             .table("tolerances", "eta of each participant, from their own switches");
         if let Some(overall) = inference.tolerances.as_ref().and_then(|fit| fit.overall) {
             let interval = inference.tolerances.as_ref().and_then(|fit| fit.median_interval);
             let interval = interval
-                .map_or(String::new(), |ends| format!(" (95 % interval {})", self::interval(ends, 2)));
+                .map_or(String::new(), |ends| format!(" (95 % interval {})", shown_interval(ends, 2)));
             table = table.with_note(format!(
                 "All, as in `cocarry fit eta`: log-normal, median {:.2}{interval}, standard deviation of the logarithm {:.2}.",
                 overall.median, overall.log_std
@@ -140,20 +97,6 @@ pub(super) fn tables(inference: &Inference, settings: &InferenceSettings) -> Vec
         ));
     }
     tables
-}
-
-/// The quantities of a population, posterior and prior.
-pub(super) fn of_population(population: &Population) -> Table {
-    let both = population.posterior.iter().zip(&population.prior).zip(QUANTITIES);
-    let rows: Vec<(&str, Figure)> =
-        both.flat_map(|((posterior, prior), name)| [(name, *posterior), ("  a priori", *prior)]).collect();
-    let columns = Columns::of(&rows).text("over people", "quantity", |(name, _)| *name);
-    intervals(columns, 3, |(_, figure)| *figure)
-        .table("population", "The population of alpha and gamma")
-        .with_note(format!(
-            "Information of the answers about the population: {:.2} nats. Logarithm of their probability: {:.2}.",
-            population.information, population.log_evidence
-        ))
 }
 
 pub(super) fn population_json(population: &Population) -> Value {
@@ -203,7 +146,7 @@ pub(super) fn of_means(means: &Means, answers: &Answers, people: u64) -> String 
         .table("rows", format!("Mean answers of {people} people, and what the populations give"))
         .with_note("posterior, prior: means over the populations, lapses included.");
     let scaled = scaled(answers);
-    format!("{}{scaled}\n{}", table_with_notes(&of_population(&means.population)), table_with_notes(&rows))
+    format!("{}{scaled}\n{}", table_with_notes(&population_table(&means.population)), table_with_notes(&rows))
 }
 
 /// The answers that were scaled.

@@ -1,13 +1,12 @@
 //! `cocarry reproduce all -o FOLDER`: a report with every claim, table and picture of the paper next to
 //! ours.
 
-use super::super::output::{Failure, Progress, examples, input, print, print_json, unwritten};
+use super::super::output::{Failure, Progress, examples, input, print, print_json};
+use super::super::report_folder::{PAGE, prepare, write};
 use super::super::robot::load_robot;
 use super::common::Common;
-use anyhow::{Context, anyhow};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
-use cocarry_output::output_file::{OutputFile, Outputs};
 use cocarry_studies::report::{PARTS, Part, Plan, Report, Section};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
@@ -78,9 +77,6 @@ pub(in super::super) struct AllArguments {
     overwrite: bool,
 }
 
-/// The page. It is written last: where it exists, the report is complete.
-const PAGE: &str = "report.html";
-
 pub(super) fn reproduce_all(arguments: &AllArguments) -> Result<(), Failure> {
     let folder = &arguments.output;
     prepare(folder, arguments.overwrite)?;
@@ -113,7 +109,9 @@ pub(super) fn reproduce_all(arguments: &AllArguments) -> Result<(), Failure> {
         begun.elapsed().as_secs_f64(),
         if threads == 1 { "thread" } else { "threads" },
     );
-    let files = write(&report, folder, &made)?;
+    let texts =
+        [("report.md", report.markdown.clone()), ("tables.csv", report.index()), (PAGE, report.page(&made))];
+    let files = write(folder, report.figures(), report.tables(), texts)?;
     if arguments.common.json {
         return print_json(&report_json(&report, (&plan, &parts), folder, &files));
     }
@@ -141,57 +139,6 @@ fn sections(plan: &Plan, parts: &[&Part]) -> Result<Vec<Section>, cocarry::Error
             section
         })
         .collect()
-}
-
-/// A check, before the work, that the report can be written and replaces nothing without --overwrite.
-fn prepare(folder: &Path, overwrite: bool) -> Result<(), Failure> {
-    let name = folder.display();
-    if folder.as_os_str().is_empty() {
-        return Err(input(anyhow!("--output: is empty; expected the name of a folder")));
-    }
-    if folder.exists() && !folder.is_dir() {
-        return Err(input(anyhow!("--output {name}: is a file; expected a folder")));
-    }
-    let cannot = |error: std::io::Error| {
-        Failure::Output(anyhow::Error::from(error).context(format!("{name}: cannot be written")))
-    };
-    if folder.exists() {
-        let is_empty = std::fs::read_dir(folder).map_err(cannot)?.next().is_none();
-        if !is_empty && !overwrite {
-            return Err(input(anyhow!("--output {name}: is not empty; --overwrite replaces a report in it")));
-        }
-    }
-    std::fs::create_dir_all(folder).map_err(cannot)?;
-    // only writing a file shows whether the folder is writable
-    let probe = folder.join(format!("{PAGE}.partial"));
-    std::fs::write(&probe, "").and_then(|()| std::fs::remove_file(&probe)).map_err(cannot)
-}
-
-/// Writes all files, each complete or not at all. Returns their names. An earlier report stays until all of
-/// this one is written; then it is replaced, its page last.
-fn write(report: &Report, folder: &Path, made: &str) -> Result<Vec<String>, Failure> {
-    let figures = folder.join("figures");
-    let made_folder = std::fs::create_dir_all(&figures);
-    made_folder
-        .with_context(|| format!("{}: cannot be written", figures.display()))
-        .map_err(Failure::Output)?;
-    let pictures = report.figures().map(|f| (format!("figures/{}.svg", f.name), f.svg.clone().into_bytes()));
-    let tables = report.tables().map(|t| (format!("{}.csv", t.name), t.csv()));
-    let texts = [
-        ("report.md".to_owned(), report.markdown.clone().into_bytes()),
-        ("tables.csv".to_owned(), report.index().into_bytes()),
-        (PAGE.to_owned(), report.page(made).into_bytes()),
-    ];
-    // the folder is this report's: that was asked before the work
-    let outputs = Outputs::new(true, []);
-    let mut names = Vec::new();
-    let mut written = Vec::new();
-    for (name, contents) in pictures.chain(tables).chain(texts) {
-        written.push(outputs.begin(&folder.join(&name), contents).map_err(unwritten)?);
-        names.push(name);
-    }
-    written.into_iter().try_for_each(OutputFile::finish).map_err(unwritten)?;
-    Ok(names)
 }
 
 /// The findings and the files written, as JSON.

@@ -1,9 +1,14 @@
 //! `cocarry study`: studies with people.
 
 #[cfg(feature = "people")]
+mod power;
+#[cfg(feature = "people")]
+mod report;
+#[cfg(feature = "people")]
 mod run;
 
 use super::output::{Failure, OverwriteArguments, csv_file, examples};
+use super::reproduce::Common;
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -19,6 +24,8 @@ pub(super) enum Action {
     Collect(CollectArguments),
     Forget(ForgetArguments),
     Simulate(SimulateArguments),
+    Report(ReportArguments),
+    Power(PowerArguments),
 }
 
 /// Write a commented study into a folder, to start from
@@ -187,6 +194,93 @@ pub(super) struct SimulateArguments {
     truth: Option<PathBuf>,
     #[command(flatten)]
     overwrite: OverwriteArguments,
+}
+
+/// Write a report on a study: participants, choices, tolerance, posterior, methods
+///
+/// The folder gets report.html, the same as report.md, a CSV file for each table and an SVG file for each
+/// picture. With a study file, the tables of the answers are collected into its folder `answers` first; with
+/// a folder of tables that `collect` wrote, nothing else is read. Headline figures are given with all who
+/// finished, and without those who have a flag. What a study does not have, or has of too few, is named as
+/// absent. Equal tables give equal bytes.
+#[derive(Args, Debug)]
+#[command(after_help = examples(&[
+    ("cocarry study report carrying/study.toml -o report", "the page is report/report.html"),
+    ("cocarry study report answers -o report", "from the tables that `study collect` wrote"),
+]))]
+pub(super) struct ReportArguments {
+    /// Study file (TOML), or the folder that `cocarry study collect` wrote
+    study: PathBuf,
+    #[command(flatten)]
+    common: Common,
+    /// Folder to write into; it is created if it does not exist
+    #[arg(short, long, value_name = "FOLDER")]
+    output: PathBuf,
+    /// Report on the participants of `cocarry study simulate`
+    #[arg(long)]
+    simulated: bool,
+    /// Draws of each of four chains, as in `cocarry infer`
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(100..=100_000))]
+    draws: u64,
+    /// Number of resamples of the participants for bootstrap intervals
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(40..=1_000_000))]
+    resamples: u64,
+    /// Seed of draws and resamples
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Replace an existing report in the folder; other files stay
+    #[arg(long)]
+    overwrite: bool,
+}
+
+/// How many participants a study needs, by simulated studies
+///
+/// Effects: `eta=WIDTH`, `alpha=WIDTH` and `gamma=WIDTH` are widths of a 95 % interval, of eta's median (planning
+/// steps) as `cocarry fit eta` has it, and of the mean of alpha or gamma over people as `cocarry infer` has it;
+/// `difference=D` is a difference between two methods within participants, as a share of the standard
+/// deviation of the differences, found by a paired t-test. People are those of `cocarry study simulate`, in
+/// the study's worlds.
+#[derive(Args, Debug)]
+#[command(after_help = examples(&[
+    ("cocarry study power study.toml --effect eta=4 --effect alpha=0.1", "by how many people they are known so well"),
+    ("cocarry study power study.toml --effect difference=0.5 --comparisons 3 -o power", "three methods; the page is power/report.html"),
+]))]
+pub(super) struct PowerArguments {
+    /// Study file (TOML)
+    study: PathBuf,
+    #[command(flatten)]
+    common: Common,
+    /// What the study shall find; may be given several times, each kind once
+    #[arg(long, value_name = "EFFECT=SIZE", required = true)]
+    effect: Vec<String>,
+    /// Numbers of participants to try, separated by commas
+    #[arg(long, value_name = "N", value_delimiter = ',', default_value = "8,12,16,20,30,40,60,80", value_parser = clap::value_parser!(u64).range(2..=2000))]
+    participants: Vec<u64>,
+    /// Number of simulated studies
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u64).range(10..=100_000))]
+    studies: u64,
+    /// Number of comparisons in the table in which the difference shall be found: with it as the smallest
+    /// p-value, Holm's method tests it at 0.05 divided by this number
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    comparisons: u64,
+    /// Share of the studies that shall find it
+    #[arg(long, value_name = "SHARE", default_value_t = 0.8, value_parser = share)]
+    power: f64,
+    /// Seed of everything random
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Write a page, tables and pictures into this folder; it is created if it does not exist
+    #[arg(short, long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+    /// Replace an existing report in the folder; other files stay
+    #[arg(long, requires = "output")]
+    overwrite: bool,
+}
+
+/// A share between 0 and 1.
+fn share(text: &str) -> Result<f64, String> {
+    let share = text.parse().ok().filter(|share: &f64| *share > 0.0 && *share < 1.0);
+    share.ok_or_else(|| "must be a number between 0 and 1".to_owned())
 }
 
 pub(super) fn run_study(action: &Action) -> Result<ExitCode, Failure> {

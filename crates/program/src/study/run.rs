@@ -4,6 +4,7 @@ use super::{
     Action, BuildArguments, CollectArguments, EthicsArguments, ForgetArguments, GivenSink, ModuleArguments,
     NewArguments, ServeArguments, SimulateArguments,
 };
+use super::{power, report};
 use crate::demo::files::Pages;
 use crate::export::write_all;
 use crate::interrupt::Interrupt;
@@ -13,8 +14,8 @@ use anyhow::{Context, anyhow};
 use cocarry::episode::{Outcome, Settings};
 use cocarry::suggestion::shell_word;
 use cocarry_people::{
-    Admin, CollectedCarry, Refusal, Serving, Sink, Site, Store, StoreError, Study, TEMPLATE, Task, add_file,
-    carries_table, collect, ethics_page, orders, serve, simulate, token,
+    Admin, CollectedCarry, Refusal, Serving, Sink, Site, Store, StoreError, Study, TEMPLATE, Task, Trial,
+    add_file, carries_table, collect, ethics_page, orders, serve, simulate, token,
 };
 use std::fmt::Write;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
@@ -36,11 +37,13 @@ pub(super) fn run_action(action: &Action) -> Result<(), Failure> {
         Action::Collect(arguments) => run_collect(arguments),
         Action::Forget(arguments) => run_forget(arguments),
         Action::Simulate(arguments) => run_simulate(arguments),
+        Action::Report(arguments) => report::run_report(arguments),
+        Action::Power(arguments) => power::run_power(arguments),
     }
 }
 
 /// The study in a file, or in the folder of `study new`.
-fn read(file: &Path) -> Result<Study, Failure> {
+pub(super) fn read(file: &Path) -> Result<Study, Failure> {
     const NAME: &str = "study.toml";
     let inside = file.join(NAME);
     let study = Study::read(if file.is_dir() && inside.is_file() { &inside } else { file }).map_err(input)?;
@@ -49,7 +52,7 @@ fn read(file: &Path) -> Result<Study, Failure> {
 }
 
 /// A failure of the store: bad input where the request is at fault.
-fn of_store(error: StoreError) -> Failure {
+pub(super) fn of_store(error: StoreError) -> Failure {
     match error {
         StoreError::Database { .. } => Failure::Output(error.into()),
         StoreError::Refused(_) | StoreError::File { .. } => input(error),
@@ -97,7 +100,8 @@ fn run_check(file: &Path) -> Result<(), Failure> {
         .iter()
         .flat_map(|world| world.prospects.iter().map(|prospect| prospect.length / Settings::default().speed))
         .collect();
-    let mut seconds = TEXT_S * (1 + study.tasks.len() + study.questions.len() + study.scales.len()) as f64;
+    let scales = orders[0].iter().filter(|page| matches!(page, Trial::Scale { .. })).count();
+    let mut seconds = TEXT_S * (1 + study.tasks.len() + study.questions.len() + scales) as f64;
     for task in &study.tasks {
         let (what, took) = match task {
             Task::Percentages => (
@@ -243,22 +247,35 @@ fn run_collect(arguments: &CollectArguments) -> Result<(), Failure> {
             }
         }
     }
+    let collected =
+        collect_into(&study, &store, arguments.with_unfinished, &arguments.output, arguments.overwrite)?;
+    print(&format!("{}\n", counted(collected as u64, "participant")))
+}
+
+/// Writes the tables of a study into a folder. Returns the number of participants in them.
+pub(super) fn collect_into(
+    study: &Study,
+    store: &Store,
+    with_unfinished: bool,
+    folder: &Path,
+    overwrite: OverwriteArguments,
+) -> Result<usize, Failure> {
     let sessions = store.sessions().map_err(of_store)?;
-    let collected = collect(&study, &sessions, arguments.with_unfinished);
+    let collected = collect(study, &sessions, with_unfinished);
     let files: Vec<(PathBuf, Vec<u8>)> =
-        collected.files.into_iter().map(|(name, bytes)| (arguments.output.join(name), bytes)).collect();
-    if arguments.output.exists() {
+        collected.files.into_iter().map(|(name, bytes)| (folder.join(name), bytes)).collect();
+    if folder.exists() {
         let existing =
             files.iter().map(|(file, _)| file).filter(|file| file.parent().is_some_and(Path::is_dir));
-        arguments.overwrite.outputs([study.file.as_path()], existing)?;
+        overwrite.outputs([study.file.as_path()], existing)?;
     }
     for folder in files.iter().filter_map(|(file, _)| file.parent()) {
         made(folder)?;
     }
-    write_all(arguments.overwrite, &files)?;
-    replay_carries(&collected.carries, &arguments.output, arguments.overwrite)?;
+    write_all(overwrite, &files)?;
+    replay_carries(&collected.carries, folder, overwrite)?;
     collected.left_out.iter().for_each(|line| warn(&format_args!("left out: {line}")));
-    print(&format!("{}\n", counted(collected.participants as u64, "participant")))
+    Ok(collected.participants)
 }
 
 /// Runs every carry again, records it, and writes their table.
@@ -279,6 +296,8 @@ fn replay_carries(
         overwrite.outputs([], [&file])?;
         let done = replayed(&carry.log, &name, Some((&file, overwrite.overwrite)))?;
         let Replayed { same, difference, seconds, outcome, human_led_from, option, ways, .. } = done;
+        let [mean_force, peak_force] =
+            [0, 1].map(|which| done.forces.map_or(String::new(), |forces| format!("{:.3}", forces[which])));
         let time = |seconds: f64| format!("{seconds:.2}");
         let differs_within = difference.as_ref().map(|_| time(seconds));
         if let Some(difference) = difference {
@@ -296,6 +315,11 @@ fn replay_carries(
             option,
             time(seconds),
             human_led_from.map_or(String::new(), time),
+            time(done.human_led),
+            done.transitions.to_string(),
+            format!("{:.3}", done.walked),
+            mean_force,
+            peak_force,
             differs_within.unwrap_or_default(),
             carry.stalls.to_string(),
             carry.lost.to_string(),

@@ -1,6 +1,6 @@
 //! A file of participants' percentages, checked and normalised.
 
-use super::table::{Column, bad_cell, check_counts, duplicate, named_worlds, read};
+use super::table::{Column, bad_cell, check_counts, duplicate, named_worlds, read, rows_of};
 use cocarry::Error;
 use cocarry::episode::prospects;
 use cocarry::error::Place;
@@ -106,6 +106,16 @@ impl AnswerFile {
     /// The worlds that the file names, each with the first line that does.
     pub fn worlds(&self) -> Vec<(String, u64)> {
         named_worlds(self.rows.iter().map(|row| (row.world.as_str(), row.line)))
+    }
+
+    /// The answers of these participants alone, in their order.
+    pub fn of(&self, participants: &[String]) -> Self {
+        Self { file: self.file.clone(), rows: rows_of(&self.rows, participants, |row| &row.participant) }
+    }
+
+    /// The participants that the file names, each with the first line that does.
+    pub fn participants(&self) -> Vec<(String, u64)> {
+        named_worlds(self.rows.iter().map(|row| (row.participant.as_str(), row.line)))
     }
 
     /// Matches the rows with the worlds; there must be one for every name in [`AnswerFile::worlds`]. Sums are

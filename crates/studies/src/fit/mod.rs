@@ -20,8 +20,9 @@ pub use calibration::{Calibration, Check, LEVELS, PARAMETERS, Replication, check
 pub use coverage::{Coverage, DIFFUSE, EtaDesign, MEDIAN, risk_weight_coverage};
 pub use eta::{Eta, EtaFit, Evidence, fit_eta};
 pub use infer::{
-    CHAINS, Draws, Figure, HeldOut, Inference, Means, MeansRow, Model as InferenceModel, OptionCheck, Person,
-    Population, QUANTITIES, Score, Settings as InferenceSettings, Switches, Walk, infer, infer_means,
+    CHAINS, ChoiceEvidence, ChosenWorlds, Draws, Figure, HeldOut, Inference, Means, MeansRow,
+    Model as InferenceModel, OptionCheck, Person, Population, QUANTITIES, Score,
+    Settings as InferenceSettings, Switches, Walk, infer, infer_means,
 };
 pub use kind::Kind;
 pub use lognormal::{LogNormal, MIN_BOUNDED, MIN_DRAWS, NoInterval};
@@ -31,4 +32,5 @@ pub use risk_weight::{
 };
 pub use set::Set;
 pub use switches::{Executed, Switch, SwitchFile};
+pub use table::{Column as TableColumn, Line as TableLine, bad_cell, read as table_rows};
 pub use walk::{Guidance, Piece};

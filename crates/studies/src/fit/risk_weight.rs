@@ -16,6 +16,7 @@
 use super::Answers;
 use super::minimum::{least, level, refined, scanned, valleys};
 use crate::parallel::{OnDone, in_parallel};
+use crate::statistics;
 use cocarry::Error;
 use cocarry::error::Place;
 use cocarry::math;
@@ -292,14 +293,8 @@ fn bootstrap(
 }
 
 /// The central 95 %.
-fn interval(mut samples: Vec<f64>) -> Option<[f64; 2]> {
-    samples.sort_by(f64::total_cmp);
-    let last = samples.len().checked_sub(1)?;
-    Some([0.025, 0.975].map(|share| {
-        let at = share * last as f64;
-        let (below, part) = (at.floor() as usize, at.fract());
-        samples[below] + part * (samples[(below + 1).min(last)] - samples[below])
-    }))
+fn interval(samples: Vec<f64>) -> Option<[f64; 2]> {
+    statistics::quantiles(samples, [0.025, 0.975])
 }
 
 fn probabilities(answers: &Answers, predictor: &mut Predictor, world: usize, c_r: f64) -> Vec<f64> {

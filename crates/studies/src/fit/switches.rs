@@ -1,6 +1,6 @@
 //! A file of switches, and the set of eta that each episode allows.
 
-use super::table::{Column, bad_cell, check_counts, duplicate, named_worlds, read};
+use super::table::{Column, bad_cell, check_counts, duplicate, named_worlds, read, rows_of};
 use super::{Guidance, Set};
 use cocarry::Error;
 use cocarry::error::Place;
@@ -128,6 +128,16 @@ impl SwitchFile {
     /// The worlds that the file names, each with the first line that does.
     pub fn worlds(&self) -> Vec<(String, u64)> {
         named_worlds(self.rows.iter().map(|row| (row.world.as_str(), row.line)))
+    }
+
+    /// The switches of these participants alone, in their order.
+    pub fn of(&self, participants: &[String]) -> Self {
+        Self { file: self.file.clone(), rows: rows_of(&self.rows, participants, |row| &row.participant) }
+    }
+
+    /// The participants that the file names, each with the first line that does.
+    pub fn participants(&self) -> Vec<(String, u64)> {
+        named_worlds(self.rows.iter().map(|row| (row.participant.as_str(), row.line)))
     }
 
     /// The eta allowed by every row, for the scenarios of these worlds (one for every name in

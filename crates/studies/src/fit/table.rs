@@ -4,21 +4,25 @@ use cocarry::Error;
 use cocarry::bounds;
 use cocarry::error::Place;
 use cocarry::located::{self, Source};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// A column by name, and whether it is optional.
-#[derive(Clone, Copy)]
-pub(super) struct Column {
+#[derive(Clone, Copy, Debug)]
+pub struct Column {
+    /// Name.
     pub name: &'static str,
+    /// Whether a file may lack it.
     pub is_optional: bool,
 }
 
 impl Column {
+    /// A column that a file must have.
     pub const fn needed(name: &'static str) -> Self {
         Self { name, is_optional: false }
     }
 
+    /// A column whose values are empty where a file lacks it.
     pub const fn optional(name: &'static str) -> Self {
         Self { name, is_optional: true }
     }
@@ -54,12 +58,24 @@ pub(super) fn check_counts<'r>(
 }
 
 /// The trimmed values of a row, in the order of the requested columns; empty where a column is missing.
-pub(super) struct Line<const N: usize> {
+#[derive(Clone, Debug)]
+pub struct Line<const N: usize> {
+    /// Line in the file.
     pub line: u64,
+    /// The values.
     pub values: [String; N],
 }
 
-/// The worlds that rows name, each with the first line that does.
+/// The rows of these participants, in their order.
+pub(super) fn rows_of<R: Clone>(rows: &[R], participants: &[String], of: impl Fn(&R) -> &String) -> Vec<R> {
+    let places: BTreeMap<&String, usize> = participants.iter().zip(0..).collect();
+    let mut own: Vec<(usize, &R)> =
+        rows.iter().filter_map(|row| Some((*places.get(of(row))?, row))).collect();
+    own.sort_by_key(|(place, _)| *place);
+    own.into_iter().map(|(_, row)| row.clone()).collect()
+}
+
+/// The names in rows, such as those of worlds, each with the first line that has it.
 pub(super) fn named_worlds<'r>(rows: impl Iterator<Item = (&'r str, u64)>) -> Vec<(String, u64)> {
     let mut worlds: Vec<(String, u64)> = Vec::new();
     let mut known = BTreeSet::new();
@@ -76,7 +92,7 @@ pub(super) fn named_worlds<'r>(rows: impl Iterator<Item = (&'r str, u64)>) -> Ve
 /// # Errors
 /// The file cannot be read, lacks a column, has no rows, or a row is longer or shorter than the
 /// header.
-pub(super) fn read<const N: usize>(path: &Path, columns: [Column; N]) -> Result<Vec<Line<N>>, Error> {
+pub fn read<const N: usize>(path: &Path, columns: [Column; N]) -> Result<Vec<Line<N>>, Error> {
     let file = path.display().to_string();
     let text = located::read(&bounds::TABLE, path)?;
     let names: Vec<&str> = columns.iter().map(|c| c.name).collect();
@@ -131,7 +147,7 @@ pub(super) fn no_rows(file: &str, expected: &str) -> Error {
 }
 
 /// The error of a cell at a place, whose item is its column.
-pub(super) fn bad_cell(place: Place, value: &str, expected: &str) -> Error {
+pub fn bad_cell(place: Place, value: &str, expected: &str) -> Error {
     Error::value(place, format_args!("{value:?}; it must be {expected}"))
 }
 

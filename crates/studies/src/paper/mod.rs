@@ -13,7 +13,7 @@ pub mod h1;
 pub mod h2;
 pub mod h3;
 pub mod h4;
-pub(crate) mod pairs;
+pub mod pairs;
 pub mod part;
 pub mod placed;
 pub mod slots;

@@ -5,15 +5,15 @@ use crate::table::{Cell, Columns, Table};
 use serde_json::Value;
 
 /// The significance level of corrected p-values.
-pub(crate) const SIGNIFICANCE_LEVEL: f64 = 0.05;
+pub const SIGNIFICANCE_LEVEL: f64 = 0.05;
 
 /// Whether a comparison is significant after Holm's correction.
-pub(crate) fn is_significant(paired: &Paired) -> bool {
+pub fn is_significant(paired: &Paired) -> bool {
     paired.p_holm.is_some_and(|p| p < SIGNIFICANCE_LEVEL)
 }
 
 /// A p-value in words; a dash where nothing is tested.
-pub(crate) fn rounded(p_value: Option<f64>) -> String {
+pub fn rounded(p_value: Option<f64>) -> String {
     match p_value {
         None => "-".to_owned(),
         Some(p) if p >= 1e-3 => format!("{p:.3}"),
@@ -23,7 +23,7 @@ pub(crate) fn rounded(p_value: Option<f64>) -> String {
 }
 
 /// A mean difference with its interval, or with the remark that there is only one outcome.
-pub(crate) fn difference(paired: &Paired, decimals: usize) -> String {
+pub fn difference(paired: &Paired, decimals: usize) -> String {
     let mean = format!("{:+.decimals$}", paired.difference.mean);
     match paired.difference.interval {
         Some([lower, upper]) => format!("{mean} ({lower:+.decimals$} to {upper:+.decimals$})"),
@@ -33,7 +33,7 @@ pub(crate) fn difference(paired: &Paired, decimals: usize) -> String {
 
 /// Three columns: difference with interval, effect size, corrected p-value. Keys begin with `prefix`; keys of
 /// lengths end with `unit`.
-pub(crate) fn compared<'a, R>(
+pub fn compared<'a, R>(
     columns: Columns<'a, R>,
     heading: &str,
     [prefix, unit]: [&str; 2],
@@ -73,7 +73,7 @@ pub(crate) fn compared<'a, R>(
 }
 
 /// The table with a note on its comparisons, of which `tested` are tested.
-pub(crate) fn explained(table: Table, tested: usize, family: &str) -> Table {
+pub fn explained(table: Table, tested: usize, family: &str) -> Table {
     table
         .with_note(format!(
             "Difference: mean over the humans, with its 95 % interval (Student's t); d: mean over standard deviation of the differences; p: two-sided paired t-test, corrected \

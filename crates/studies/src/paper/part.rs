@@ -145,6 +145,18 @@ pub enum Block {
     Figure(Figure),
 }
 
+impl Block {
+    /// The table, if it is one.
+    pub fn table(&self) -> Option<&Table> {
+        if let Self::Table(table) = self { Some(table) } else { None }
+    }
+
+    /// The picture, if it is one.
+    pub fn figure(&self) -> Option<&Figure> {
+        if let Self::Figure(figure) = self { Some(figure) } else { None }
+    }
+}
+
 /// A picture with its caption.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {

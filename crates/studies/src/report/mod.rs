@@ -4,8 +4,11 @@
 //! finding are then part of the report, its files and `--json`. The report is Markdown; the HTML page is made
 //! from it.
 
+mod document;
+mod inferred;
 mod page;
 mod run;
+mod tolerances;
 
 pub use crate::paper::contacts::section::contact_table;
 pub use crate::paper::h1::section::table_1;
@@ -18,6 +21,9 @@ pub use crate::paper::h4::section::{learning_tables, people_table};
 pub use crate::paper::part::{Block, Figure, Finding, Part, Plan, Section};
 pub use crate::paper::slots::section::slot_table;
 pub use crate::paper::starts::section::start_table;
+pub use document::Document;
+pub use inferred::{figure_columns, people_columns, population_table, shown_interval};
+pub use tolerances::{no_interval, tolerances_picture};
 
 use crate::paper::{arrivals, contacts, coverage, cycles, h1, h2, h3, h4, slots, starts};
 use crate::table::Table;
@@ -58,30 +64,16 @@ pub struct Report {
 impl Report {
     /// Assembles the sections of these parts.
     pub fn new(plan: &Plan, parts: &[&Part], sections: Vec<Section>) -> Self {
-        let mut markdown = run::opening(plan, parts, &sections);
-        let mut number = 0;
-        for section in &sections {
-            markdown += &format!("## {}\n\n", section.title);
-            for block in &section.blocks {
-                markdown += &match block {
-                    Block::Text(text) => format!("{text}\n\n"),
-                    Block::Table(table) => table.markdown(),
-                    Block::Figure(Figure { name, caption, .. }) => {
-                        number += 1;
-                        format!("![Figure {number}. {caption}](figures/{name}.svg)\n\n")
-                    }
-                };
-            }
-        }
-        markdown += &run::end(plan, parts);
-        let markdown = run::with_contents(&markdown);
+        let contents = sections.iter().map(|section| (section.title.as_str(), section.blocks.as_slice()));
+        let opening = run::opening(plan, parts, &sections);
+        let markdown = document::markdown(&opening, contents, &run::end(plan, parts));
         let parts = parts.iter().map(|part| part.id).collect();
         Self { parts, sections, markdown }
     }
 
     /// The tables, in order.
     pub fn tables(&self) -> impl Iterator<Item = &Table> {
-        self.blocks().filter_map(|block| if let Block::Table(table) = block { Some(table) } else { None })
+        self.blocks().filter_map(Block::table)
     }
 
     /// The index of the tables, as CSV: part, table, number of rows, and the CRC-32 of its CSV file as eight
@@ -101,7 +93,7 @@ impl Report {
 
     /// The pictures, in order.
     pub fn figures(&self) -> impl Iterator<Item = &Figure> {
-        self.blocks().filter_map(|block| if let Block::Figure(figure) = block { Some(figure) } else { None })
+        self.blocks().filter_map(Block::figure)
     }
 
     /// The report as one self-contained HTML page. `made`, a sentence on how it was made, is at its end.

@@ -1,6 +1,6 @@
 //! The report as one self-contained HTML page.
 
-use super::run::anchor;
+use super::document::anchor;
 use crate::paper::part::Figure;
 use cocarry_output::drawing::dark_rules;
 use pulldown_cmark::{CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd, html::push_html};

@@ -25,19 +25,6 @@ pub(super) fn opening(plan: &Plan, run: &[&Part], sections: &[Section]) -> Strin
     text + "\nA picture is `figures/NAME.svg` next to this report; the figures of a table are in the CSV file named at it.\n\n"
 }
 
-/// The text with a table of its sections before the first of them.
-pub(super) fn with_contents(markdown: &str) -> String {
-    let titles = markdown.lines().filter_map(|line| line.strip_prefix("## "));
-    let contents: String = titles.map(|title| format!("- [{title}](#{})\n", anchor(title))).collect();
-    markdown.replacen("\n## ", &format!("\n{contents}\n## "), 1)
-}
-
-/// The anchor of a heading, as forges make it: small letters, digits and hyphens.
-pub(super) fn anchor(title: &str) -> String {
-    let kept = title.chars().filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'));
-    kept.flat_map(char::to_lowercase).map(|c| if c == ' ' { '-' } else { c }).collect()
-}
-
 /// Deviations, episodes and settings.
 pub(super) fn end(plan: &Plan, run: &[&Part]) -> String {
     // the document's title becomes a section's

@@ -4,6 +4,7 @@
 //! The model and its assumptions are in the book, `book/src/participants.md`.
 
 mod arviz;
+mod chosen;
 mod draws;
 mod evidence;
 mod held_out;
@@ -11,6 +12,7 @@ mod inputs;
 mod means;
 mod population;
 
+pub use chosen::{ChoiceEvidence, ChosenWorlds};
 pub use draws::{CHAINS, Draws};
 pub use held_out::{HeldOut, OptionCheck, Score};
 pub use inputs::{Model, Settings, Switches, Walk};

@@ -127,6 +127,22 @@ impl Grid {
         std::array::from_fn(|row| along_alpha[row] * self.rows[gamma][row])
     }
 
+    /// The distribution of a quantity under weights of the nodes.
+    pub fn figure(&self, which: usize, weights: &[f64]) -> Figure {
+        let (people, sums) = match which < 2 {
+            true => (&self.alpha.people, self.sums(weights, 0)),
+            false => (&self.gamma.people, self.sums(weights, 1)),
+        };
+        Figure::of(people.iter().map(|person| person[which % 2]).zip(sums).collect())
+    }
+
+    /// The weights of the populations of alpha (0) or gamma (1).
+    fn sums(&self, weights: &[f64], axis: usize) -> Vec<f64> {
+        let mut sums = vec![0.0; if axis == 0 { self.alpha.people.len() } else { self.gamma.people.len() }];
+        weights.iter().enumerate().for_each(|(node, weight)| sums[self.at(node)[axis]] += weight);
+        sums
+    }
+
     fn quantity(&self, which: usize, node: usize) -> f64 {
         let [alpha, gamma] = self.at(node);
         let people = if which < 2 { self.alpha.people[alpha] } else { self.gamma.people[gamma] };

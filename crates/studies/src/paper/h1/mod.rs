@@ -80,27 +80,42 @@ pub fn fits(rows: &[ChoiceRow]) -> Vec<Fit> {
     let environments = rows.chunk_by(|a, b| a.environment == b.environment);
     environments
         .map(|rows| {
-            let off = |model: &dyn Fn(usize, &ChoiceRow) -> f64| {
-                let sum: f64 =
-                    rows.iter().enumerate().map(|(i, r)| (model(i, r) - r.human_percent).abs()).sum();
-                sum / rows.len() as f64
-            };
-            let everyone = |option: usize| off(&|i, _| if i == option { 100.0 } else { 0.0 });
-            let all = || rows.iter().enumerate().flat_map(|(i, a)| rows[i + 1..].iter().map(move |b| (a, b)));
-            let differ = |(a, b): &(&ChoiceRow, &ChoiceRow)| a.human_percent != b.human_percent;
-            let same = |(a, b): &(&ChoiceRow, &ChoiceRow)| {
-                (a.human_percent - b.human_percent) * (a.ours_percent - b.ours_percent) > 0.0
-            };
-            Fit {
-                environment: rows[0].environment,
-                ours: off(&|_, r| r.ours_percent),
-                paper: off(&|_, r| r.paper_percent),
-                fixed: (0..rows.len()).map(everyone).fold(f64::INFINITY, f64::min),
-                pairs: all().filter(differ).count(),
-                ranked: all().filter(same).count(),
-            }
+            let column = |of: fn(&ChoiceRow) -> f64| rows.iter().map(of).collect::<Vec<_>>();
+            let human = column(|r| r.human_percent);
+            let Closeness { off, fixed, pairs, ranked } = closeness(&human, &column(|r| r.ours_percent));
+            let paper = closeness(&human, &column(|r| r.paper_percent)).off;
+            Fit { environment: rows[0].environment, ours: off, paper, fixed, pairs, ranked }
         })
         .collect()
+}
+
+/// How close a model's percentages for the options of a world are to people's mean answers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Closeness {
+    /// Mean absolute difference, percentage points.
+    pub off: f64,
+    /// The same of the best single choice by everyone.
+    pub fixed: f64,
+    /// Pairs of options with different answers.
+    pub pairs: usize,
+    /// Pairs of these that the model puts in the same order.
+    pub ranked: usize,
+}
+
+/// The closeness of a model's percentages to answers; both have one for each option.
+pub fn closeness(human: &[f64], model: &[f64]) -> Closeness {
+    let off = |model: &dyn Fn(usize) -> f64| -> f64 {
+        human.iter().enumerate().map(|(i, h)| (model(i) - h).abs()).sum::<f64>() / human.len() as f64
+    };
+    let everyone = |option: usize| off(&|i| if i == option { 100.0 } else { 0.0 });
+    let all = || (0..human.len()).flat_map(|a| (a + 1..human.len()).map(move |b| [a, b]));
+    let same = |[a, b]: &[usize; 2]| (human[*a] - human[*b]) * (model[*a] - model[*b]) > 0.0;
+    Closeness {
+        off: off(&|i| model[i]),
+        fixed: (0..human.len()).map(everyone).fold(f64::INFINITY, f64::min),
+        pairs: all().filter(|[a, b]| human[*a] != human[*b]).count(),
+        ranked: all().filter(same).count(),
+    }
 }
 
 #[cfg(test)]
