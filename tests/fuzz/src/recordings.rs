@@ -35,7 +35,7 @@ pub fn playback(bytes: &[u8]) {
         return;
     }
     let Ok(playback) = Reader::new(bytes, "m").and_then(|mut reader| Playback::read(&mut reader)) else { return };
-    let _ = player(&playback, "m", None);
+    let _ = player(&playback, "m", None, "x");
     let _ = filmstrip_svg(&playback, 3, Width::Inches(7.0));
 }
 

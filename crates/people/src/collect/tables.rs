@@ -39,7 +39,7 @@ pub(super) const SWITCHES: [Column; 9] = [
     ("stalls", "", "the number of pictures that came more than 100 ms after the one before"),
     ("trial", "", "which showing of this walk it was, from 1"),
 ];
-pub(super) const PARTICIPANTS: [Column; 12] = [
+pub(super) const PARTICIPANTS: [Column; 13] = [
     PARTICIPANT,
     ("number", "", "the participant's number, from 1"),
     ("order", "", "the row of the Latin square, from 1"),

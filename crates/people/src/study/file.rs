@@ -357,45 +357,53 @@ impl<'a> Checked<'a> {
         if let Some(given) = given.points.as_ref().filter(|p| !(2..=11).contains(p.get_ref())) {
             return Err(self.wrong(given, "points", points, "a whole number from 2 to 11"));
         }
-        match kind {
-            ScaleKind::Fluency => {
-                if !given.statements.is_empty() || !matches!(given.ends.len(), 0 | 2) {
-                    let place = self.place(&given.kind, "kind");
-                    let sentence =
-                        "\"fluency\" has its own statements; give no `statements`, and both `ends` or none";
-                    return Err(Error::value(place, sentence));
-                }
-                let texts = |texts: &[&str]| texts.iter().map(|text| (*text).to_owned()).collect();
-                let ends = if given.ends.is_empty() { texts(&fluency::ENDS) } else { given.ends.clone() };
-                let statements = texts(&fluency::STATEMENTS.map(|statement| statement.text));
-                return Ok(Scale { name, kind, statements, points, ends });
-            }
-            ScaleKind::NasaTlx => {
-                if !given.statements.is_empty() || given.points.is_some() || !given.ends.is_empty() {
-                    let place = self.place(&given.kind, "kind");
-                    let sentence = "\"nasa-tlx\" has its own statements, points and ends; leave them out";
-                    return Err(Error::value(place, sentence));
-                }
-            }
-            ScaleKind::Likert => {
-                let place = || self.place(&given.name, "");
-                let is_filled = |texts: &[String]| texts.iter().all(|text| !text.trim().is_empty());
-                let count = given.statements.len();
-                if !(1..=MAX_ITEMS).contains(&count) || !is_filled(&given.statements) {
-                    let needed = format_args!("`statements`: a list of 1 to {MAX_ITEMS} texts");
-                    return Err(Error::missing(place(), needed));
-                }
-                if given.ends.len() != 2 || !is_filled(&given.ends) {
-                    return Err(Error::missing(place(), "`ends`: the words at both ends of the scale"));
-                }
-            }
-        }
+        let (statements, ends) = match kind {
+            ScaleKind::Fluency => self.fluency(given)?,
+            ScaleKind::NasaTlx => self.nasa_tlx(given)?,
+            ScaleKind::Likert => self.likert(given)?,
+        };
         if let Some(after) = given.after.as_ref().filter(|after| *after.get_ref() != Task::Carry) {
             let expected = "\"carry\", or left out: the scale then comes once, at the end";
             return Err(self.wrong(after, "after", self.written(after), expected));
         }
-        let (statements, ends) = (given.statements.clone(), given.ends.clone());
         Ok(Scale { name, kind, statements, points, ends, is_after_carry: given.after.is_some() })
+    }
+
+    /// Statements and ends of a fluency scale.
+    fn fluency(self, given: &ScaleText) -> Result<(Vec<String>, Vec<String>), Error> {
+        if !given.statements.is_empty() || !matches!(given.ends.len(), 0 | 2) {
+            let place = self.place(&given.kind, "kind");
+            let sentence =
+                "\"fluency\" has its own statements; give no `statements`, and both `ends` or none";
+            return Err(Error::value(place, sentence));
+        }
+        let texts = |texts: &[&str]| texts.iter().map(|text| (*text).to_owned()).collect();
+        let ends = if given.ends.is_empty() { texts(&fluency::ENDS) } else { given.ends.clone() };
+        Ok((texts(&fluency::STATEMENTS.map(|statement| statement.text)), ends))
+    }
+
+    /// The page has the statements and ends of a NASA-TLX scale.
+    fn nasa_tlx(self, given: &ScaleText) -> Result<(Vec<String>, Vec<String>), Error> {
+        if !given.statements.is_empty() || given.points.is_some() || !given.ends.is_empty() {
+            let place = self.place(&given.kind, "kind");
+            let sentence = "\"nasa-tlx\" has its own statements, points and ends; leave them out";
+            return Err(Error::value(place, sentence));
+        }
+        Ok((Vec::new(), Vec::new()))
+    }
+
+    /// Statements and ends of a Likert scale.
+    fn likert(self, given: &ScaleText) -> Result<(Vec<String>, Vec<String>), Error> {
+        let place = || self.place(&given.name, "");
+        let is_filled = |texts: &[String]| texts.iter().all(|text| !text.trim().is_empty());
+        if !(1..=MAX_ITEMS).contains(&given.statements.len()) || !is_filled(&given.statements) {
+            let needed = format_args!("`statements`: a list of 1 to {MAX_ITEMS} texts");
+            return Err(Error::missing(place(), needed));
+        }
+        if given.ends.len() != 2 || !is_filled(&given.ends) {
+            return Err(Error::missing(place(), "`ends`: the words at both ends of the scale"));
+        }
+        Ok((given.statements.clone(), given.ends.clone()))
     }
 
     fn end(self, given: Spanned<End>) -> Result<End, Error> {
