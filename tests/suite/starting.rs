@@ -161,6 +161,10 @@ fn bash_completes_a_command() {
     let script = stdout(&cocarry(&["completions", "bash"]));
     let ask =
         "COMP_WORDS=(cocarry reg); COMP_CWORD=1; _cocarry cocarry reg cocarry; echo \"${COMPREPLY[@]}\"";
-    let output = Command::new("bash").arg("-c").arg(format!("{script}\n{ask}")).output().unwrap();
+    // longer than an argument can be
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("complete.sh");
+    std::fs::write(&file, format!("{script}\n{ask}\n")).unwrap();
+    let output = Command::new("bash").arg(&file).output().unwrap();
     assert_eq!(stdout(&output).trim(), "regress", "{}", stderr(&output));
 }

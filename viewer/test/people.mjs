@@ -265,6 +265,9 @@ async function handled() {
     const buttons = (lead, resist) => [{ pressed: lead }, { pressed: resist }];
     await pad({ buttons: buttons(true, false) });
     await pressed(tab, "Give");
+    // some planning steps under this lead, before one holds back
+    await pad({ axes: [1, 0], buttons: buttons(false, false) });
+    await tab.waitForTimeout(800);
     await pad({ axes: [1, 0], buttons: buttons(false, true) });
     await pressed(tab, "Resist");
     await tab.waitForTimeout(800);
@@ -282,7 +285,8 @@ async function handled() {
   console.log(`hands: ${touched.get("pointermove").length} moves of a finger, a button held by a second one, and a gamepad are recorded, lead and resist; both episodes replay equal`);
 }
 
-const participants = () => study.table("answers/participants.csv").length;
+// those who have finished; the table has all who began
+const participants = () => study.table("answers/participants.csv").filter(({ finished_utc }) => finished_utc).length;
 const collect = (file) => cocarry("study", "collect", "study.toml", "--add", file, "-o", "answers", "--overwrite");
 // Builds the page for a sink, with a code that all get, and serves it as any host does.
 async function built(name, ...sink) {

@@ -72,7 +72,9 @@ pub fn wilson(successes: usize, of: usize) -> [f64; 2] {
     let (n, p) = (of as f64, successes as f64 / of as f64);
     let square = Z * Z / n;
     let half = Z * (p * (1.0 - p) / n + square / (4.0 * n)).sqrt();
-    [p + square / 2.0 - half, p + square / 2.0 + half].map(|end| (end / (1.0 + square)).clamp(0.0, 1.0))
+    let end = |end: f64| (p + square / 2.0 + end) / (1.0 + square);
+    // exact where rounding would leave a rest
+    [if successes == 0 { 0.0 } else { end(-half) }, if successes == of { 1.0 } else { end(half) }]
 }
 
 /// Count, mean, sum of squared deviations and largest magnitude of the values so far (Welford 1962).

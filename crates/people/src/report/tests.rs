@@ -71,5 +71,5 @@ fn a_scale_after_carries_is_asked_after_each_and_its_answers_name_world_and_meth
     // who left is known, with the page
     let participants = table("participants.csv");
     let left = participants.lines().find(|line| line.starts_with("p2,")).unwrap();
-    assert!(left.ends_with(&format!(",0,{},", pages[5].words(&study))), "{left}");
+    assert!(left.ends_with(&format!(",0,{},,", pages[5].words(&study))), "{left}");
 }

@@ -243,7 +243,7 @@ pub(super) struct ReportArguments {
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
     ("cocarry study power study.toml --effect eta=4 --effect alpha=0.1", "by how many people they are known so well"),
-    ("cocarry study power study.toml --effect difference=0.5 --comparisons 3 -o power", "three methods; the page is power/report.html"),
+    ("cocarry study power s.toml --effect difference=0.5 --comparisons 3 -o power", "three methods; the page is power/report.html"),
 ]))]
 pub(super) struct PowerArguments {
     /// Study file (TOML)
