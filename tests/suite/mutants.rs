@@ -256,7 +256,10 @@ fn use_recording(bytes: &[u8], is_short: bool, folder: &Path) -> bool {
     if let Ok(playback) = reader().and_then(|mut reader| Playback::read(&mut reader)).map_err(refused) {
         let page = player(&playback, "m", None, "x").expect("a page");
         assert!(!page.contains("NaN") || !page.contains(":NaN"));
-        filmstrip_svg(&playback, 3, Width::Inches(7.0)).expect("a picture");
+        if let Err(error) = filmstrip_svg(&playback, 3, Width::Inches(7.0)) {
+            // a number of a step is missing
+            assert!(error.to_string().contains("cannot be drawn: NaN"), "{error}");
+        }
     }
     if is_short {
         let _ = reader().and_then(|first| replay(first, reader()?)).map_err(refused);

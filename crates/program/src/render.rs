@@ -3,6 +3,7 @@
 use super::output::{Failure, OverwriteArguments, examples, input, print, write_file};
 use anyhow::anyhow;
 use clap::Args;
+use cocarry::error::{Error, Place, words};
 use cocarry::robot::Robot;
 use cocarry_output::output_file::Outputs;
 use cocarry_recording::recording::{Playback, Reader};
@@ -163,7 +164,7 @@ impl Target {
             PictureKind::Moving => Width::Pixels(760),
             _ => Width::Inches(7.0),
         });
-        let rendered: Result<Vec<u8>, cocarry::Error> = match self.kind {
+        let rendered: Result<Vec<u8>, Error> = match self.kind {
             PictureKind::Player => {
                 let robot = form.robot.map(Robot::load).transpose().map_err(input)?;
                 let demo = form.demo.map_or_else(rendering::demo_address, str::to_owned);
@@ -176,7 +177,9 @@ impl Target {
             PictureKind::Moving => rendering::moving_gif(&playback, width),
             PictureKind::Layout => Ok(rendering::viewer_layout(&playback).into_bytes()),
         };
-        write_file(outputs, &self.file, rendered.map_err(input)?)
+        // what cannot be drawn is in the recording
+        let rendered = rendered.map_err(|error| input(Error::at(Place::file(name.as_str()), words(&error))));
+        write_file(outputs, &self.file, rendered?)
     }
 }
 
