@@ -4,7 +4,7 @@
 
 mod tolerance;
 
-pub use tolerance::{MAX_TASKS, Tolerance, TolerancePrior, discomfort_limit, eta_interval};
+pub use tolerance::{MAX_TASKS, Tolerance, TolerancePrior, discomfort_limit, eta_interval, standard_normal};
 
 use crate::error::Error;
 use crate::preference::{

@@ -50,16 +50,20 @@ impl TolerancePrior {
 
     /// An eta drawn from it.
     pub fn sample<R: Rng + ?Sized>(&self, rng: &mut R) -> f64 {
-        // Box and Muller: the logarithm is normal
-        let radius = (-2.0 * math::ln(rng.random_range(f64::MIN_POSITIVE..1.0))).sqrt();
-        let angle = 2.0 * std::f64::consts::PI * rng.random::<f64>();
-        self.median * math::exp(self.log_std * radius * math::cos(angle))
+        self.median * math::exp(self.log_std * standard_normal(rng))
     }
 
     /// The probability of an interval.
     pub fn probability(&self, interval: [f64; 2]) -> f64 {
         self.partial(interval, 0.0)
     }
+}
+
+/// A draw from the standard normal distribution (Box and Muller 1958).
+pub fn standard_normal<R: Rng + ?Sized>(rng: &mut R) -> f64 {
+    let radius = (-2.0 * math::ln(rng.random_range(f64::MIN_POSITIVE..1.0))).sqrt();
+    let angle = 2.0 * std::f64::consts::PI * rng.random::<f64>();
+    radius * math::cos(angle)
 }
 
 /// The probability of a standard normal between two values, accurate in both tails.

@@ -25,27 +25,11 @@ fn a_program_without_the_feature_says_how_to_get_it() {
 
 #[cfg(feature = "people")]
 mod with_people {
-    use crate::support::{cocarry, json, stderr, stdout};
+    use crate::support::{COLLECTED, cocarry, done, json, new_study, stderr};
     use std::io::{BufRead, BufReader, Read, Write};
     use std::net::TcpStream;
-    use std::path::{Path, PathBuf};
+    use std::path::Path;
     use std::process::{Command, Stdio};
-
-    /// A folder with the study of `study new`, and the study's file.
-    fn new() -> (tempfile::TempDir, PathBuf) {
-        let folder = tempfile::tempdir().unwrap();
-        let output = cocarry(&["study", "new", folder.path().to_str().unwrap()]);
-        assert!(output.status.success(), "{}", stderr(&output));
-        let file = folder.path().join("study.toml");
-        (folder, file)
-    }
-
-    /// What a command prints, which must succeed.
-    fn done(arguments: &[&str]) -> String {
-        let output = cocarry(arguments);
-        assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
-        stdout(&output)
-    }
 
     fn text(path: &Path) -> &str {
         path.to_str().unwrap()
@@ -53,7 +37,7 @@ mod with_people {
 
     #[test]
     fn people_a_study_is_checked_and_a_fault_is_told_with_its_place() {
-        let (folder, file) = new();
+        let (folder, file) = new_study();
         let said = done(&["study", "check", text(folder.path())]);
         assert!(said.contains("percentages: 2 maps\nswitch: 8 walks\n"), "{said}");
         let written = std::fs::read_to_string(&file).unwrap();
@@ -69,7 +53,7 @@ mod with_people {
 
     #[test]
     fn people_simulated_answers_go_into_fit_and_infer_and_back_to_their_truth() {
-        let (folder, file) = new();
+        let (folder, file) = new_study();
         let (file, to, truth) = (text(&file), folder.path().join("answers"), folder.path().join("truth.csv"));
         let simulate =
             ["study", "simulate", file, "--participants", "12", "--seed", "3", "--truth", text(&truth)];
@@ -106,14 +90,7 @@ mod with_people {
         let again = folder.path().join("again");
         done(&[&simulate[..], &["--overwrite"]].concat());
         done(&["study", "collect", file, "--simulated", "-o", text(&again)]);
-        for name in [
-            "answers.csv",
-            "switches.csv",
-            "participants.csv",
-            "responses.csv",
-            "dictionary.csv",
-            "README.md",
-        ] {
+        for name in COLLECTED {
             assert_eq!(
                 std::fs::read(to.join(name)).unwrap(),
                 std::fs::read(again.join(name)).unwrap(),
@@ -132,7 +109,7 @@ mod with_people {
 
     #[test]
     fn people_answers_of_your_own_world_go_with_its_file() {
-        let (folder, file) = new();
+        let (folder, file) = new_study();
         std::fs::copy(
             crate::support::repository("worlds/environment-1.toml"),
             folder.path().join("mine.toml"),
@@ -150,7 +127,7 @@ mod with_people {
 
     #[test]
     fn people_a_page_without_our_server_is_plain_files_that_send_to_their_sink_alone() {
-        let (folder, file) = new();
+        let (folder, file) = new_study();
         let written = std::fs::read_to_string(&file).unwrap();
         std::fs::write(&file, written.replace("# code = ", "code = ")).unwrap();
         for (sink, connects, has_jatos) in [
@@ -187,7 +164,7 @@ mod with_people {
 
     #[test]
     fn people_walks_are_shown_again_grouped_by_eta_and_a_scale_of_fluency_has_its_means() {
-        let (folder, file) = new();
+        let (folder, file) = new_study();
         let written = std::fs::read_to_string(&file).unwrap();
         let edited = written
             .replace("# trials = 2 ", "trials = 2 ")
@@ -234,7 +211,7 @@ mod with_people {
 
     #[test]
     fn people_nobody_has_answered_and_nobody_is_known() {
-        let (folder, file) = new();
+        let (folder, file) = new_study();
         for words in
             [&["forget", text(&file), "anna"][..], &["collect", text(&file), "-o", text(folder.path())]]
         {
@@ -247,7 +224,7 @@ mod with_people {
     #[cfg(unix)]
     #[test]
     fn people_a_study_is_served_until_ctrl_c() {
-        let (folder, file) = new();
+        let (folder, file) = new_study();
         let mut child = Command::new(env!("CARGO_BIN_EXE_cocarry"))
             .args(["study", "serve", text(&file), "--port", "0"])
             .stdout(Stdio::piped())

@@ -1,15 +1,8 @@
 //! `cocarry study report` and `cocarry study power` as a researcher uses them.
 
-use crate::support::{cocarry, json, stderr, stdout};
+use crate::support::{cocarry, done, json, stderr, stdout};
 use std::collections::BTreeMap;
 use std::path::Path;
-
-/// What a command prints, which must succeed.
-fn done(arguments: &[&str]) -> String {
-    let output = cocarry(arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
-    stdout(&output)
-}
 
 fn text(path: &Path) -> &str {
     path.to_str().unwrap()
@@ -190,7 +183,8 @@ fn people_planted_drop_outs_and_flags_are_counted_and_left_out_as_by_hand() {
     assert_eq!(read(&at("drop-outs.csv")), "page,task,left\n4,percentages,2\n8,not known,1\n");
     assert_eq!(read(&at("flags.csv")), "flag,participants\npage-hidden,2\npictures-stalled,1\n");
 
-    // option 1 has 10, 20, ... 80 %, option 2 the rest; without 20 and 50 it is (10 + 30 + 40 + 60 + 70 + 80) / 6
+    // option 1 has 10, 20, ... 80 %, option 2 the rest; without 20 and 50 it is (10 + 30 + 40 + 60 + 70 + 80)
+    // / 6
     let model: Vec<f64> = json(&["reproduce", "h1", "--json"])["rows"].as_array().unwrap()[..4]
         .iter()
         .map(|row| row["ours_percent"].as_f64().unwrap())

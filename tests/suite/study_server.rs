@@ -1,7 +1,7 @@
 //! `cocarry study serve` as a process of its own: slow, hostile and full of bytes.
 #![cfg(all(feature = "people", unix))]
 
-use crate::support::{cocarry, stderr, stdout};
+use crate::support::{COLLECTED, cocarry, new_study, stderr, stdout};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use sha2::{Digest, Sha256};
@@ -13,15 +13,6 @@ use std::time::Duration;
 
 fn sha256(text: &str) -> String {
     Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-/// A study file in a new folder.
-fn new() -> (tempfile::TempDir, PathBuf) {
-    let folder = tempfile::tempdir().unwrap();
-    let output = cocarry(&["study", "new", folder.path().to_str().unwrap()]);
-    assert!(output.status.success(), "{}", stderr(&output));
-    let file = folder.path().join("study.toml");
-    (folder, file)
 }
 
 /// A server, which is killed at the end.
@@ -130,7 +121,7 @@ fn checked(file: &Path) -> String {
 
 #[test]
 fn people_two_hundred_slow_clients_keep_nobody_out() {
-    let (_folder, file) = new();
+    let (_folder, file) = new_study();
     let server = Server::new(&file);
     server.begin("a");
     // half of them never end their head, half never their body
@@ -183,7 +174,7 @@ fn people_two_hundred_slow_clients_keep_nobody_out() {
 
 #[test]
 fn people_hostile_requests_are_refused_told_and_change_nothing() {
-    let (_folder, file) = new();
+    let (_folder, file) = new_study();
     let server = Server::new(&file);
     server.begin("a");
     assert_eq!(status(&server.put("a", 0, "[]")), "200");
@@ -252,7 +243,7 @@ fn people_hostile_requests_are_refused_told_and_change_nothing() {
 
 #[test]
 fn people_a_gigabyte_is_refused_before_it_is_held() {
-    let (_folder, file) = new();
+    let (_folder, file) = new_study();
     let server = Server::new(&file);
     server.begin("a");
     let before = server.peak();
@@ -324,7 +315,7 @@ fn fill(server: &Server, make_room: impl FnOnce()) {
 
 #[test]
 fn people_where_files_may_not_grow_nothing_acknowledged_is_lost() {
-    let (_folder, file) = new();
+    let (_folder, file) = new_study();
     // a process that writes past the limit would be killed, if it did not ignore the signal
     let script = "trap '' XFSZ; exec \"$0\" study serve --port 0 \"$1\"";
     let server = Server::of(
@@ -344,7 +335,7 @@ fn people_where_files_may_not_grow_nothing_acknowledged_is_lost() {
 
 #[test]
 fn people_a_full_disk_loses_nothing_acknowledged() {
-    let (folder, file) = new();
+    let (folder, file) = new_study();
     let unshare = ["--user", "--map-root-user", "--mount"];
     if !Command::new("unshare").args(unshare).arg("true").status().is_ok_and(|status| status.success()) {
         println!("skipped: a disk of 1 MB; this system lets nobody mount one");
@@ -376,7 +367,7 @@ fn people_a_full_disk_loses_nothing_acknowledged() {
 
 #[test]
 fn people_the_administrator_gets_the_tables_that_collect_writes() {
-    let (folder, file) = new();
+    let (folder, file) = new_study();
     let server = Server::new(&file);
     server.begin("a");
     let answer = r#"[{"kind":"done","data":{"task":"scale","name":"=cmd()","answers":[["<script>",3]]}}]"#;
@@ -406,14 +397,7 @@ fn people_the_administrator_gets_the_tables_that_collect_writes() {
         let mut words = vec!["study", "collect", file.to_str().unwrap(), "-o", to.to_str().unwrap()];
         words.extend(with_unfinished.then_some("--with-unfinished"));
         assert!(cocarry(&words).status.success());
-        for name in [
-            "answers.csv",
-            "switches.csv",
-            "participants.csv",
-            "responses.csv",
-            "dictionary.csv",
-            "README.md",
-        ] {
+        for name in COLLECTED {
             let written = std::fs::read_to_string(to.join(name)).unwrap();
             assert!(page.contains(&format!("href=\"{link}{name}\"")), "{link}{name}");
             assert_eq!(get(&format!("{link}{name}"), &server.token), written, "{name}");
@@ -426,7 +410,7 @@ fn people_the_administrator_gets_the_tables_that_collect_writes() {
 
 #[test]
 fn people_the_page_for_the_ethics_board_is_of_the_study_file_alone() {
-    let (folder, file) = new();
+    let (folder, file) = new_study();
     let written = std::fs::read_to_string(&file).unwrap();
     std::fs::write(&file, written.replace("Replace this text", "Replace <script>this</script> text"))
         .unwrap();

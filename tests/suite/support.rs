@@ -52,6 +52,28 @@ pub fn stderr(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).expect("UTF-8")
 }
 
+/// What a command prints, which must succeed.
+#[cfg(feature = "people")]
+pub fn done(arguments: &[&str]) -> String {
+    let output = cocarry(arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
+    stdout(&output)
+}
+
+/// A folder with the study of `cocarry study new`, and the study's file.
+#[cfg(feature = "people")]
+pub fn new_study() -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    done(&["study", "new", folder.path().to_str().unwrap()]);
+    let file = folder.path().join("study.toml");
+    (folder, file)
+}
+
+/// The files of a study that `cocarry study collect` writes where nobody carried.
+#[cfg(feature = "people")]
+pub const COLLECTED: [&str; 6] =
+    ["answers.csv", "switches.csv", "participants.csv", "responses.csv", "dictionary.csv", "README.md"];
+
 /// Runs the program, which must end with 0, and reads its JSON.
 pub fn json(arguments: &[&str]) -> serde_json::Value {
     let output = cocarry(arguments);

@@ -4,6 +4,7 @@
 pub mod bodies;
 pub mod drawing;
 pub mod figure;
+pub mod html;
 pub mod output_file;
 pub mod palette;
 pub mod player;

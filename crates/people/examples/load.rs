@@ -4,9 +4,9 @@
 //! cargo run -p cocarry-people --example load -- PROGRAM [SESSIONS [SECONDS]]
 //! ```
 //!
-//! PROGRAM is a `cocarry` with the feature `people`. It prints how long the answers to chunks took, how many requests were
-//! refused, the largest memory of the server (Linux), and, after the server was killed, how many acknowledged
-//! chunks its database lost. The exit code is 1 if one was lost or refused.
+//! PROGRAM is a `cocarry` with the feature `people`. It prints how long the answers to chunks took, how many
+//! requests were refused, the largest memory of the server (Linux), and, after the server was killed, how
+//! many acknowledged chunks its database lost. The exit code is 1 if one was lost or refused.
 
 use rusqlite::Connection;
 use serde_json::{Value, json};

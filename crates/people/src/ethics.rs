@@ -1,6 +1,7 @@
 //! A page about a study for an ethics board, from the study file alone: what participants read and do, what is
 //! stored of them, and how it is removed.
 
+use crate::collect::flags;
 use crate::html::{STYLE, escaped, page, paragraphs, table};
 use crate::order::orders;
 use crate::site::{Sink, Site};
@@ -12,18 +13,6 @@ use base64::prelude::BASE64_STANDARD;
 use cocarry::Error;
 use std::fmt::Write;
 use std::path::Path;
-
-/// The flags of participants, and what they mean.
-const FLAGS: [(&str, &str); 5] = [
-    (
-        "longer-and-riskier-over-20",
-        "more than 20 % on a way that is both longer and riskier than another one",
-    ),
-    ("question-not-right", "a question was not answered rightly in its attempts"),
-    ("page-hidden", "the page was hidden during an answer or a walk"),
-    ("pictures-stalled", "a picture of a walk came more than 100 ms after the one before"),
-    ("left-out", "an answer does not fit the study, and is in no table"),
-];
 
 /// The page about a study. Equal studies give equal bytes.
 ///
@@ -50,7 +39,7 @@ pub fn ethics_page(study: &Study) -> Result<String, Error> {
         "<h2>How it is removed</h2>\n".to_owned(),
         removed(study),
         "<h2>Exclusions</h2>\n".to_owned(),
-        flags(),
+        exclusions(),
         "<h2>Risks, and what is not measured</h2>\n".to_owned(),
         risks(study),
     ];
@@ -282,11 +271,11 @@ fn removed(study: &Study) -> String {
     )
 }
 
-fn flags() -> String {
+fn exclusions() -> String {
     let rows: Vec<_> =
-        FLAGS.iter().map(|&(flag, meaning)| vec![flag.to_owned(), meaning.to_owned()]).collect();
+        flags::ALL.iter().map(|&(flag, meaning)| vec![flag.to_owned(), meaning.to_owned()]).collect();
     "<p>The program excludes nobody. It marks participants, and those who run the study decide by rules that they write down before. \
-     Who did not finish is in the tables only if asked for.</p>\n"
+     Who did not finish is a row of the table of participants; their answers are in the other tables only if asked for.</p>\n"
         .to_owned()
         + &table("Flags", &["flag", "meaning"], &rows)
 }

@@ -1,32 +1,10 @@
 //! Plain pages of HTML, without scripts.
 
+pub(crate) use cocarry_output::html::escaped;
 use std::fmt::Write;
 
 /// What all pages look like, in light and in dark.
 pub(crate) const STYLE: &str = include_str!("../../../assets/people/plain.css");
-
-/// A text as HTML shows it: nothing in it is markup.
-pub(crate) fn escaped(text: &str) -> String {
-    let mut html = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => html.push_str("&amp;"),
-            '<' => html.push_str("&lt;"),
-            '>' => html.push_str("&gt;"),
-            '"' => html.push_str("&quot;"),
-            '\'' => html.push_str("&#39;"),
-            // neither what ends a line of a terminal, nor what turns the direction of text
-            c if is_hidden(c) => html.push('\u{fffd}'),
-            c => html.push(c),
-        }
-    }
-    html
-}
-
-/// Whether a character is not seen but changes what is seen.
-fn is_hidden(c: char) -> bool {
-    (c.is_control() && !"\n\t".contains(c)) || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
-}
 
 /// The paragraphs of a text: blank lines divide them.
 pub(crate) fn paragraphs(text: &str) -> String {
@@ -76,11 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_text_is_shown_as_text() {
-        assert_eq!(
-            escaped("<script>alert('a' & \"b\")</script>\u{202e}\u{7}"),
-            "&lt;script&gt;alert(&#39;a&#39; &amp; &quot;b&quot;)&lt;/script&gt;\u{fffd}\u{fffd}"
-        );
+    fn paragraphs_and_tables_show_texts_as_text() {
         assert_eq!(paragraphs(" a <b>\n c\n \n\n d"), "<p>a &lt;b&gt; c</p>\n<p>d</p>\n");
         assert!(table("<i>", &["a"], &[vec!["<b>".to_owned()]]).contains("<td>&lt;b&gt;</td>"));
     }

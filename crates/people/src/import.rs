@@ -34,8 +34,8 @@ pub struct Added {
     pub is_finished: bool,
 }
 
-/// Adds a file to a store: the one that a participant saved or that DataPipe passed on, or the results of JATOS,
-/// which may have several sessions. The same one again changes nothing.
+/// Adds a file to a store: the one that a participant saved or that DataPipe passed on, or the results of
+/// JATOS, which may have several sessions. The same one again changes nothing.
 ///
 /// # Errors
 /// The file is not one of the page, or of another study; the store refuses it.

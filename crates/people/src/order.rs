@@ -136,7 +136,8 @@ fn pages(study: &Study, row: usize, worlds: &[usize]) -> Vec<Trial> {
     pages
 }
 
-/// The pages of a task in a world, its options or methods rotated by `shift`, with the scales after every carry.
+/// The pages of a task in a world, its options or methods rotated by `shift`, with the scales after every
+/// carry.
 fn measured(study: &Study, task: Task, world: usize, shift: usize, repetition: u64) -> Vec<Trial> {
     let rotated = |count: usize| (0..count).map(move |at| (at + shift) % count);
     let practice = false;

@@ -47,8 +47,8 @@ impl Sink {
         }
     }
 
-    /// What the head of the page has for it: the page loads nothing from elsewhere, and sends nothing but to its
-    /// sink. Our own server says that itself.
+    /// What the head of the page has for it: the page loads nothing from elsewhere, and sends nothing but to
+    /// its sink. Our own server says that itself.
     fn head(&self) -> String {
         let (hosts, script) = match self {
             Self::Server => return String::new(),

@@ -153,8 +153,8 @@ fn go_through(options: &OptionSet, crossed: &mut Vec<Crossing>, from: Point, to:
     }
 }
 
-/// The options with these openings in this order: all of theirs after an arrival, else their first ones. None of
-/// a team that has not left the first room.
+/// The options with these openings in this order: all of theirs after an arrival, else their first ones. None
+/// of a team that has not left the first room.
 fn ways(options: &OptionSet, crossed: &[Crossing], has_arrived: bool) -> Vec<String> {
     let fits = |theirs: &[Crossing]| match has_arrived {
         true => theirs == crossed,

@@ -1,6 +1,7 @@
 //! The tables of a study: what `cocarry fit` and `cocarry infer` read, who took part, and what every column
 //! means.
 
+pub(crate) mod flags;
 mod groups;
 mod tables;
 #[cfg(test)]
@@ -70,7 +71,6 @@ struct Switch {
     frame: Option<u64>,
     plays: u64,
     stalls: u64,
-    longest_frame_ms: f64,
 }
 
 #[derive(Deserialize)]
@@ -194,7 +194,7 @@ impl Collecting<'_> {
                 Ok(Done::Question { text, answers, right: is_right }) => {
                     right += u64::from(is_right);
                     if !is_right {
-                        flags.insert("question-not-right");
+                        flags.insert(flags::NOT_RIGHT.0);
                     }
                     let answer = answers.last().cloned().unwrap_or_default();
                     let cells =
@@ -209,7 +209,7 @@ impl Collecting<'_> {
                 }
             };
             if let Err(why) = added {
-                flags.insert("left-out");
+                flags.insert(flags::LEFT_OUT.0);
                 self.left_out.push(format!("{participant}, page {}: {why}", trial + 1));
             }
         }
@@ -287,7 +287,7 @@ impl Collecting<'_> {
         for (option, (name, percent)) in answer.percent.iter().enumerate() {
             let is_dominated = world.is_dominated(option);
             if is_dominated && *percent > MAX_DOMINATED_PERCENT {
-                flags.insert("longer-and-riskier-over-20");
+                flags.insert(flags::DOMINATED.0);
             }
             rows.push(vec![
                 participant.to_owned(),
@@ -300,7 +300,7 @@ impl Collecting<'_> {
             ]);
         }
         if answer.hidden_ms > 0.0 {
-            flags.insert("page-hidden");
+            flags.insert(flags::HIDDEN.0);
         }
         rows.into_iter().for_each(|row| self.answers.row(row));
         Ok(())
@@ -333,11 +333,11 @@ impl Collecting<'_> {
             step: switch.step,
             etas: walk.etas(switch.step),
         });
-        if switch.stalls > 0 || switch.longest_frame_ms > 500.0 {
-            flags.insert("pictures-stalled");
+        if switch.stalls > 0 {
+            flags.insert(flags::STALLED.0);
         }
         if switch.plays > 1 {
-            flags.insert("page-hidden");
+            flags.insert(flags::HIDDEN.0);
         }
         let number = |number: Option<u64>| number.map_or(String::new(), |number| number.to_string());
         self.switches.row(vec![

@@ -11,8 +11,7 @@ use crate::simulate::{chosen, drawn, stop};
 use crate::study::{Study, StudyWorld};
 use cocarry::Error;
 use cocarry::episode::Settings;
-use cocarry::learning::TolerancePrior;
-use cocarry::math;
+use cocarry::learning::standard_normal;
 use cocarry::preference::RISK_WEIGHT;
 use cocarry_studies::fit::{
     ChoiceEvidence, ChosenWorlds, Executed, Guidance, InferenceModel, InferenceSettings, Situation, Switch,
@@ -196,15 +195,6 @@ fn person(settings: &PowerSettings, study: usize, person: u64) -> ChaCha8Rng {
     rng
 }
 
-/// What every study finds with each number of participants.
-fn simulated(
-    settings: &PowerSettings,
-    on_done: OnDone,
-    of: impl Fn(usize) -> Vec<Found> + Sync,
-) -> Vec<Vec<Found>> {
-    in_parallel(settings.studies, on_done, of)
-}
-
 /// The largest number of participants.
 fn most(settings: &PowerSettings) -> u64 {
     settings.participants.iter().copied().max().unwrap_or(0)
@@ -219,7 +209,7 @@ fn etas(worlds: &[StudyWorld], settings: &PowerSettings, on_done: OnDone) -> Vec
         .iter()
         .flat_map(|world| (0..world.options.len()).filter_map(move |option| walk(world, option)))
         .collect();
-    simulated(settings, on_done, |study| {
+    in_parallel(settings.studies, on_done, |study| {
         let mut switches = Vec::new();
         for number in 0..most(settings) {
             let (_, eta) = drawn(&mut person(settings, study, number));
@@ -270,7 +260,7 @@ fn perceptions(
     let evidence = in_parallel(ways.len(), &|| (), |way| inferred.evidence(ways[way]));
     let evidence: Vec<ChoiceEvidence> = evidence.into_iter().collect::<Result<_, _>>()?;
     let known: BTreeMap<&Vec<usize>, &ChoiceEvidence> = ways.into_iter().zip(&evidence).collect();
-    Ok(simulated(settings, on_done, |study| {
+    Ok(in_parallel(settings.studies, on_done, |study| {
         let width = |participants: &u64| {
             let mut counts: BTreeMap<&Vec<usize>, usize> = BTreeMap::new();
             all[study][..*participants as usize].iter().for_each(|way| *counts.entry(way).or_default() += 1);
@@ -284,9 +274,8 @@ fn perceptions(
 
 /// Differences within participants: normal, of mean d and standard deviation 1.
 fn differences(d: f64, settings: &PowerSettings, on_done: OnDone) -> Vec<Vec<Found>> {
-    let normal = TolerancePrior { median: 1.0, log_std: 1.0 };
-    simulated(settings, on_done, |study| {
-        let draw = |number: u64| d + math::ln(normal.sample(&mut person(settings, study, number)));
+    in_parallel(settings.studies, on_done, |study| {
+        let draw = |number: u64| d + standard_normal(&mut person(settings, study, number));
         let values: Vec<f64> = (0..most(settings)).map(draw).collect();
         let tested = |participants: &u64| {
             let mut moments = Moments::default();

@@ -46,8 +46,8 @@ pub(super) struct Reason(pub &'static str);
 /// Refusals that people meet without doing anything wrong.
 const ROUTINE: [&str; 6] = ["begun-before", "changed", "full", "no-token", "not-whole", "study"];
 
-/// Refuses requests by other hosts' names (DNS rebinding), those of other pages, and those whose body is too long
-/// or too slow; adds the headers of all answers.
+/// Refuses requests by other hosts' names (DNS rebinding), those of other pages, and those whose body is too
+/// long or too slow; adds the headers of all answers.
 pub(super) async fn pass(State(door): State<Arc<Door>>, request: Request, next: Next) -> Response {
     let (method, uri) = (request.method().clone(), request.uri().clone());
     let mut hold = door.held.hold();

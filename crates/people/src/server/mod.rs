@@ -39,8 +39,8 @@ use writer::Writer;
 /// The header with the participant's secret, and that with the SHA-256 of a chunk.
 const KEY: &str = "x-session-key";
 const SHA256: &str = "x-sha256";
-/// The largest number of requests for sessions in a minute: a lecture hall may begin at once. Others are told to
-/// come again, and the page does.
+/// The largest number of requests for sessions in a minute: a lecture hall may begin at once. Others are told
+/// to come again, and the page does.
 const MAX_BEGINS: usize = 1000;
 /// The largest number of connections at once. Systems let a process have 1024 files, if nobody changes it.
 const MAX_CONNECTIONS: usize = 800;

@@ -1,6 +1,6 @@
 //! The statements about the fluency of a human-robot team after G. Hoffman, "Evaluating Fluency in Human-Robot
-//! Collaboration", IEEE Transactions on Human-Machine Systems 49(3), 2019, 209-218, with the subscales that they
-//! belong to there.
+//! Collaboration", IEEE Transactions on Human-Machine Systems 49(3), 2019, 209-218, with the subscales that
+//! they belong to there.
 
 /// A statement, and whether agreement with it counts against its subscale.
 pub(super) struct Statement {

@@ -235,11 +235,11 @@ pub(super) struct ReportArguments {
 
 /// How many participants a study needs, by simulated studies
 ///
-/// Effects: `eta=WIDTH`, `alpha=WIDTH` and `gamma=WIDTH` are widths of a 95 % interval, of eta's median (planning
-/// steps) as `cocarry fit eta` has it, and of the mean of alpha or gamma over people as `cocarry infer` has it;
-/// `difference=D` is a difference between two methods within participants, as a share of the standard
-/// deviation of the differences, found by a paired t-test. People are those of `cocarry study simulate`, in
-/// the study's worlds.
+/// Effects: `eta=WIDTH`, `alpha=WIDTH` and `gamma=WIDTH` are widths of a 95 % interval, of eta's median
+/// (planning steps) as `cocarry fit eta` has it, and of the mean of alpha or gamma over people as `cocarry
+/// infer` has it; `difference=D` is a difference between two methods within participants, as a share of the
+/// standard deviation of the differences, found by a paired t-test. People are those of `cocarry study
+/// simulate`, in the study's worlds.
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
     ("cocarry study power study.toml --effect eta=4 --effect alpha=0.1", "by how many people they are known so well"),

@@ -294,7 +294,15 @@ fn replay_carries(
         let name = format!("{}-{}.mcap", carry.participant, carry.page);
         let file = recordings.join(&name);
         overwrite.outputs([], [&file])?;
-        let done = replayed(&carry.log, &name, Some((&file, overwrite.overwrite)))?;
+        let done = match replayed(&carry.log, &name, Some((&file, overwrite.overwrite))) {
+            Ok(done) => done,
+            // one that cannot be run again keeps no other one from the table
+            Err(Failure::Input(error)) => {
+                warn(&format_args!("left out: {name}: {error:#}"));
+                continue;
+            }
+            Err(failure) => return Err(failure),
+        };
         let Replayed { same, difference, seconds, outcome, human_led_from, option, ways, .. } = done;
         let [mean_force, peak_force] =
             [0, 1].map(|which| done.forces.map_or(String::new(), |forces| format!("{:.3}", forces[which])));

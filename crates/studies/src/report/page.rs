@@ -3,6 +3,7 @@
 use super::document::anchor;
 use crate::paper::part::Figure;
 use cocarry_output::drawing::dark_rules;
+use cocarry_output::html::escaped;
 use pulldown_cmark::{CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd, html::push_html};
 
 /// The style sheet for screen and paper.
@@ -91,10 +92,6 @@ fn inline(figure: &Figure) -> String {
     let svg = figure.svg.replace(" id=\"", &format!(" id=\"{own}")).replace("url(#", &format!("url(#{own}"));
     let label = escaped(&figure.caption);
     svg.replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{label}\" "), 1)
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 #[cfg(test)]

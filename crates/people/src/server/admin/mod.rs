@@ -119,8 +119,8 @@ impl Admin {
     }
 }
 
-/// Lets those pass who have the token. Wrong ones are counted, and beyond the limit none is looked at: 10 a minute
-/// are no way to guess 192 bits.
+/// Lets those pass who have the token. Wrong ones are counted, and beyond the limit none is looked at: 10 a
+/// minute are no way to guess 192 bits.
 async fn authorized(State(office): State<Arc<Office>>, request: Request, next: Next) -> Response {
     let headers = request.headers();
     // a page of others could make this browser ask with the token that it knows, if not see the answer
