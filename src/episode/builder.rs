@@ -194,7 +194,7 @@ impl<'a> Team<'a> {
                     None => Box::new(Physical::new(world, robot, &posture, &pose, &physics, seed)?),
                     Some(make) => make(&Start { pose }),
                 };
-                walk.check_targets(world)?;
+                walk.check_targets(world, settings.predictor.risk_weight())?;
                 let guide = Guide::new(&manipulator, physics.rim_acceleration);
                 let controller = Predictive::new(manipulator, pace, count, Some(guide));
                 LinedUp { walk: Box::new(walk), controller: Box::new(controller), plant }

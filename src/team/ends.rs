@@ -3,11 +3,13 @@
 
 use super::in_tandem::InTandem;
 use super::object_room::MAX_TURN_RAD_PER_M;
-use super::team_path::{ARCS, BODY_ROOM_M, Turned};
+use super::start::places;
+use super::team_path::{ARCS, BODY_ROOM_M, FreeSpace, Turned};
 use crate::error::{Error, ErrorKind, Place};
-use crate::geometry::{Path, PlanarPose, Point, direction, wrap_angle, write_turn_onto};
+use crate::geometry::{Path, PlanarPose, Point, angle_of, direction, wrap_angle, write_turn_onto};
+use crate::options::OptionSet;
 use crate::world::World;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// The number of headings that are tried at a start.
 const HEADINGS: u32 = 36;
@@ -20,6 +22,8 @@ const TURN_STEP_M: f64 = 0.1;
 
 /// The distance between the points of a way that are looked at, m.
 const LOOK_M: f64 = 0.02;
+/// How many other targets are tried at most to name the nearest with room: each takes a search of options.
+const MAX_TARGETS: usize = 24;
 
 impl<'a> InTandem<'a> {
     /// Whether the object turns slowly enough at the beginning of a path.
@@ -118,16 +122,42 @@ impl<'a> InTandem<'a> {
         found.unwrap_or((path, 0.0))
     }
 
-    /// Refuses a world in which the human has no room beyond the end of an option.
+    /// Refuses a world in which the human has no room beyond the end of an option, and names the nearest target
+    /// with room, with the options that `risk_weight` (m) makes the cheapest.
     ///
     /// # Errors
     /// [`ErrorKind::World`].
-    pub fn check_targets(&self, world: &World) -> Result<(), Error> {
+    pub fn check_targets(&self, world: &World, risk_weight: f64) -> Result<(), Error> {
+        self.targets_have_room(world).map_err(|(option, room)| {
+            let ahead = angle_of(Point::new(room.x, room.y) - world.target);
+            let may_have_room = |place: &Point| {
+                let has_room_at = |turn| {
+                    let beyond = *place + direction(ahead + turn) * self.team_path().body_ahead();
+                    check(world, BODY_ROOM_M, [*place, beyond]).is_ok()
+                };
+                let mut turns = [0.0].into_iter().chain(turns().take_while(|turn| turn.abs() < PI / 2.0));
+                // within sight of the target that was given
+                check(world, world.robot_width / 2.0, [world.target, *place]).is_ok()
+                    && turns.any(has_room_at)
+            };
+            let has_room = |place: &Point| {
+                let mut there = world.clone();
+                there.target = *place;
+                OptionSet::new(&there, risk_weight)
+                    .is_ok_and(|options| self.among(&options).targets_have_room(&there).is_ok())
+            };
+            let nearest = places(world.target).filter(may_have_room).take(MAX_TARGETS).find(has_room);
+            room.at_target(world, &option, nearest)
+        })
+    }
+
+    /// Whether the human has room beyond the end of every option; if not, the name of an option, and the room.
+    fn targets_have_room(&self, world: &World) -> Result<(), (String, NoRoom)> {
         let options = self.free_space().options;
         options.options().iter().enumerate().try_for_each(|(o, option)| {
             let path = options.path_passing(&options.begin(), o, Self::PASSING).unwrap_or_default();
             let beyond = self.team_path().beyond_end(&self.widened(&self.ended(path).0));
-            check(world, BODY_ROOM_M, beyond).map_err(|room| room.at_target(world, &option.name))
+            check(world, BODY_ROOM_M, beyond).map_err(|room| (option.name.clone(), room))
         })
     }
 }
@@ -171,21 +201,26 @@ impl NoRoom {
                 format!("the team fits, but cannot turn onto its path: obstacle `{obstacle}` is too near")
             }
         };
-        let instead = nearest
-            .map_or(String::new(), |p| format!("; the nearest start with room is ({:.2}, {:.2})", p.x, p.y));
+        let instead = instead("start", nearest);
         refused(world, format_args!("no room at the start: {fault}{instead}"))
     }
 
-    /// The room that is missing at the end of an option.
-    fn at_target(&self, world: &World, option: &str) -> Error {
+    /// The room that is missing at the end of an option, and which target to take instead.
+    fn at_target(&self, world: &World, option: &str, nearest: Option<Point>) -> Error {
         let Self { x, y, distance, obstacle, needed, length, to_turn: _ } = self;
+        let (missing, instead) = (needed - distance, instead("target", nearest));
         refused(
             world,
             format_args!(
-                "no room at the target: at the end of option `{option}`, the human walks on to ({x:.3}, {y:.3}) and comes within {distance:.3} m of obstacle `{obstacle}`; leave {needed} m on either side, up to {length:.2} m beyond target_m"
+                "no room at the target: at the end of option `{option}`, the human walks on to ({x:.3}, {y:.3}) and comes within {distance:.3} m of obstacle `{obstacle}`; leave {needed} m on either side, up to {length:.2} m beyond target_m ({missing:.3} m are missing){instead}"
             ),
         )
     }
+}
+
+/// The end of a refusal: where there is room.
+fn instead(end: &str, nearest: Option<Point>) -> String {
+    nearest.map_or(String::new(), |p| format!("; the nearest {end} with room is ({:.2}, {:.2})", p.x, p.y))
 }
 
 fn refused(world: &World, sentence: std::fmt::Arguments) -> Error {

@@ -8,7 +8,7 @@ use crate::coordination::Mode;
 use crate::geometry::{Path, PlanarPose, Point, Pose, Widening, angle_of, direction, nearest, wrap_angle};
 use crate::human::Stance;
 use crate::math;
-use crate::options::Passing;
+use crate::options::{OptionSet, Passing};
 use crate::plant::{HumanMotion, Seen, on_floor};
 use crate::saved::{RestoreError, Saved};
 use crate::simulation::Observation;
@@ -76,6 +76,16 @@ impl<'a> InTandem<'a> {
 
     pub(super) fn free_space(&self) -> FreeSpace<'a> {
         self.free_space
+    }
+
+    /// The same team among other options.
+    pub(super) fn among<'o>(&self, options: &'o OptionSet) -> InTandem<'o>
+    where
+        'a: 'o,
+    {
+        let Self { free_space, pace, faces_path, ref state } = *self;
+        let free_space = FreeSpace { options, ..free_space };
+        InTandem { free_space, pace, faces_path, state: state.clone() }
     }
 
     /// A path as the team walks it, wide round corners.

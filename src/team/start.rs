@@ -16,7 +16,7 @@ use std::f64::consts::TAU;
 const BENT_RAD: f64 = 0.7;
 /// Headings closer than this (rad) are the same.
 const SAME_HEADING_RAD: f64 = 1e-9;
-/// How far from A another start is looked for (m), in rings of this width and with this many places each.
+/// How far from A or B another one is looked for (m), in rings of this width and with this many places each.
 const SEARCH_M: f64 = 3.0;
 const RING_M: f64 = 0.1;
 const PLACES: u32 = 24;
@@ -189,7 +189,7 @@ fn less_room() -> impl Iterator<Item = f64> {
 }
 
 /// Places around a point, the nearest first, rounded as in messages.
-fn places(around: Point) -> impl Iterator<Item = Point> {
+pub(super) fn places(around: Point) -> impl Iterator<Item = Point> {
     let rings = (SEARCH_M / RING_M).round() as u32;
     (1..=rings).flat_map(move |ring| {
         let angle = |i: u32| TAU * f64::from(i) / f64::from(PLACES);

@@ -400,6 +400,17 @@ fn a_target_without_room_for_the_human_is_reached_in_an_arc_or_refused() {
         error.contains("no room at the target") && error.contains("`shelf`") && error.contains("option `1`"),
         "{error}"
     );
+    // where the message says that there is room, a team arrives
+    let (fault, nearest) = error.split_once("; the nearest target with room is (").expect(&error);
+    assert!(fault.ends_with(" m are missing)"), "{error}");
+    let nearest = nearest.trim_end().strip_suffix(')').expect(&error);
+    let file = folder.path().join("shelf.toml");
+    let moved = std::fs::read_to_string(&file)
+        .unwrap()
+        .replace("target_m = [3, 0]", &format!("target_m = [{nearest}]"));
+    std::fs::write(&file, moved).unwrap();
+    let arrives = cocarry(&["run", file.to_str().unwrap(), "--plant", "rapier"]);
+    assert!(stdout(&arrives).contains("arrived"), "{nearest}: {}{}", stdout(&arrives), stderr(&arrives));
     assert!(run(4.1, &sides, "point").status.success(), "a point needs no room beyond its target");
     for shelf in [4.25, 4.1, 3.6] {
         let arrives = run(shelf, "", "rapier");

@@ -20,6 +20,7 @@ const licence = (name, file) => `${name}\n\n${read(`node_modules/${name}/${file}
 const files = {
   "index.html": read("src/index.html").replace("%DIGEST%", digest.toString(16).padStart(8, "0")),
   "study.js": await bundle("src/main.js", { format: "esm", banner: { js: "// Uses jsPsych, auto-bind, random-words, seedrandom (MIT licence) and idb (ISC licence); NOTICE.txt has their texts." } }),
+  "simulated.js": await bundle("src/simulated.js", { format: "esm" }),
   "study.css": await bundle("src/style.css", {}),
   "NOTICE.txt": [read("src/notice.txt"), licence("idb", "LICENSE"), licence("auto-bind", "license"), licence("random-words", "LICENSE"), licence("seedrandom", "README.md")].join("\n\n"),
 };

@@ -68,14 +68,14 @@ export const killed = (server) => new Promise((done) => {
 });
 
 // What the database has, read by a program of others.
-export const stored = ({ folder }) => JSON.parse(execFileSync("python3", ["-c", `
-import json, sqlite3
-base = sqlite3.connect("study.sqlite")
+export const stored = ({ folder }, database = "study.sqlite") => JSON.parse(execFileSync("python3", ["-c", `
+import json, sqlite3, sys
+base = sqlite3.connect(sys.argv[1])
 print(json.dumps({
     "integrity": base.execute("PRAGMA integrity_check").fetchall(),
     "sessions": base.execute("SELECT participant, finished IS NOT NULL FROM sessions ORDER BY place").fetchall(),
     "chunks": base.execute("SELECT trial, number, sha256 FROM chunks ORDER BY participant, trial, number").fetchall(),
-}))`], { cwd: folder, encoding: "utf8", maxBuffer: 1 << 28 }));
+}))`, database], { cwd: folder, encoding: "utf8", maxBuffer: 1 << 28 }));
 
 // The chunks that a server acknowledged to browsers. Whatever was acknowledged is in a sound database, once.
 export class Acknowledged {

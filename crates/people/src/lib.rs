@@ -9,6 +9,7 @@
 //! What a participant sees and answers is measured on a page: choices and timing, not forces. A mouse is not
 //! a beam in the hands.
 
+mod browser;
 mod carry;
 mod collect;
 mod digest;
@@ -25,6 +26,7 @@ mod store;
 mod study;
 mod walk;
 
+pub use browser::Browsers;
 pub use carry::carry_scenario;
 pub use collect::{Collected, CollectedCarry, carries_table, collect};
 pub use ethics::ethics_page;

@@ -46,16 +46,13 @@ pub fn simulate(
     let orders = orders(study);
     let mut truths = Vec::new();
     for person in 0..count {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        rng.set_stream(person);
-        let (perception, eta) = drawn(&mut rng);
         let key = sha256(format!("simulated {seed} {person}").as_bytes());
         let begin = Begin { key: &key, platform_ids: &[], study: digest, participants: count, now: 0 };
         let session = store.begin(&begin)?;
         let trials = &orders[session.place as usize % orders.len()];
+        let Answers { perception, eta, pages } = answers(study, trials, seed, person);
         let mut chunks = Vec::new();
-        for (trial, page) in (0..).zip(trials) {
-            let mut data = answer(study, page, perception, eta, &mut rng);
+        for ((trial, page), mut data) in (0..).zip(trials).zip(pages) {
             if *page == Trial::Consent {
                 data["order"] = json!(session.place as usize % orders.len() + 1);
             }
@@ -68,6 +65,22 @@ pub fn simulate(
         truths.push(Truth { participant: session.participant, perception, eta });
     }
     Ok(truths)
+}
+
+/// What a simulated participant is, and what the page of each trial would record.
+pub(crate) struct Answers {
+    pub perception: Perception,
+    pub eta: f64,
+    pub pages: Vec<Value>,
+}
+
+/// The answers of a participant to whom these trials come.
+pub(crate) fn answers(study: &Study, trials: &[Trial], seed: u64, person: u64) -> Answers {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(person);
+    let (perception, eta) = drawn(&mut rng);
+    let pages = trials.iter().map(|page| answer(study, page, perception, eta, &mut rng)).collect();
+    Answers { perception, eta, pages }
 }
 
 /// alpha and gamma, and eta, of a participant.

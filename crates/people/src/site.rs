@@ -17,6 +17,13 @@ const CLIENT: [(&str, &str, &str); 4] = [
     ("NOTICE.txt", "text/plain; charset=utf-8", include_str!("../../../assets/people/NOTICE.txt")),
 ];
 
+/// A script that answers the page, and its plan; the page of people has neither.
+const SCRIPT: (&str, &str) = ("simulated.js", include_str!("../../../assets/people/simulated.js"));
+const PLAN: &str = "simulated.json";
+
+/// What the page knows of the study.
+const STUDY: &str = "study.json";
+
 /// The simulator, in the page of a study in which people carry.
 const MODULE: &str = "cocarry.wasm";
 
@@ -130,7 +137,7 @@ impl Site {
             bytes: shots.map.into_bytes().into(),
         });
         let study = SiteFile {
-            name: "study.json".into(),
+            name: STUDY.into(),
             mime: "application/json",
             bytes: content.to_string().into_bytes().into(),
         };
@@ -142,6 +149,35 @@ impl Site {
         let module = module.map(|bytes| SiteFile { name: MODULE.into(), mime: "application/wasm", bytes });
         let files = client.chain(maps).chain(scenarios).chain(module).chain([study]);
         Ok(Self { files: files.collect(), digest })
+    }
+}
+
+impl Site {
+    /// The page, with the script that answers it by a plan. `parameter` of its address says for whom.
+    pub(crate) fn answering(mut self, parameter: &str, plan: &Value) -> Self {
+        let (script, text) = SCRIPT;
+        for file in &mut self.files {
+            let text = str::from_utf8(&file.bytes);
+            let changed = match &*file.name {
+                "index.html" => {
+                    let before = format!("<script type=\"module\" src=\"{script}\"></script>\n{BEFORE}");
+                    text.expect("the page is text").replacen(BEFORE, &before, 1)
+                }
+                STUDY => {
+                    let text = text.expect("the study is text");
+                    let mut content: Value = serde_json::from_str(text).expect("the study is JSON");
+                    content["platform_ids"] = json!([parameter]);
+                    content.to_string()
+                }
+                _ => continue,
+            };
+            file.bytes = changed.into_bytes().into();
+        }
+        let mime = "text/javascript; charset=utf-8";
+        self.files.push(SiteFile { name: script.into(), mime, bytes: text.as_bytes().into() });
+        let bytes = plan.to_string().into_bytes().into();
+        self.files.push(SiteFile { name: PLAN.into(), mime: "application/json", bytes });
+        self
     }
 }
 

@@ -22,12 +22,18 @@ const MIN_SEARCHED: usize = 8;
 
 impl Store {
     /// The pseudonyms that `id` stands for: itself, or those of this identity of a platform.
-    fn participants_of(&self, id: &str) -> rusqlite::Result<Vec<String>> {
-        let mut statement = self.connection.prepare(
-            "SELECT participant FROM sessions WHERE participant = ?1
-             UNION SELECT participant FROM platform_ids WHERE value = ?1 ORDER BY participant",
-        )?;
-        statement.query_map([id], |row| row.get(0))?.collect()
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub(crate) fn participants_of(&self, id: &str) -> Result<Vec<String>, StoreError> {
+        let read = || -> rusqlite::Result<Vec<String>> {
+            let mut statement = self.connection.prepare(
+                "SELECT participant FROM sessions WHERE participant = ?1
+                 UNION SELECT participant FROM platform_ids WHERE value = ?1 ORDER BY participant",
+            )?;
+            statement.query_map([id], |row| row.get(0))?.collect()
+        };
+        read().map_err(|source| self.failed(source))
     }
 
     /// Removes a person, given by pseudonym or by an identity of a platform, with all that they answered.
@@ -39,7 +45,7 @@ impl Store {
         let file = self.file.clone();
         let failed = |source| StoreError::Database { file: file.clone(), source };
         let refused = |sentence: String| StoreError::File { file: file.clone(), sentence };
-        let participants = self.participants_of(id).map_err(failed)?;
+        let participants = self.participants_of(id)?;
         let participant = match participants.as_slice() {
             [one] => one.clone(),
             [] => {

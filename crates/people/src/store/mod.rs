@@ -278,6 +278,15 @@ impl Store {
         read().map_err(|source| self.failed(source))
     }
 
+    /// The number of chunks that have arrived.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn chunk_count(&self) -> Result<u64, StoreError> {
+        let counted = self.connection.query_row("SELECT count(*) FROM chunks", [], |row| row.get(0));
+        counted.map(unsigned).map_err(|source| self.failed(source))
+    }
+
     /// The numbers of participants who have begun, and who have finished.
     ///
     /// # Errors

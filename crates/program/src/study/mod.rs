@@ -1,6 +1,8 @@
 //! `cocarry study`: studies with people.
 
 #[cfg(feature = "people")]
+mod browsers;
+#[cfg(feature = "people")]
 mod power;
 #[cfg(feature = "people")]
 mod report;
@@ -175,9 +177,15 @@ pub(super) struct ForgetArguments {
 /// alpha, gamma and eta are drawn as for docs/data/simulated-answers.csv. A participant gives 100 % to the
 /// option that eq. (3) chooses (5 % of the answers say nothing), and stops following where phi(k) of eq. (5)
 /// exceeds 1. Pages of the task `carry` stay empty.
+///
+/// With `--browser` they answer on the page itself, in real time, in a browser without a window: the same
+/// participants with the same answers, as exactly as a browser is on time. Of those who carry, every other one
+/// leads along the way that they chose, with a pointer, and the others let themselves be led. Every fourth
+/// browser has the size of a phone.
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
     ("cocarry study simulate study.toml --participants 40 --truth truth.csv", ""),
+    ("cocarry study simulate study.toml --participants 8 --browser", "a rehearsal of the page, as long as the study is"),
     ("cocarry study collect study.toml --simulated -o simulated", "then fit, and compare with truth.csv"),
 ]))]
 pub(super) struct SimulateArguments {
@@ -192,6 +200,14 @@ pub(super) struct SimulateArguments {
     /// Write alpha, gamma and eta of every participant into this CSV file
     #[arg(long, value_name = "FILE", value_parser = csv_file)]
     truth: Option<PathBuf>,
+    /// Let them answer on the page, in Chromium, Chrome or Edge, or another program of that family
+    #[arg(long, value_name = "PROGRAM", num_args = 0..=1, require_equals = true)]
+    browser: Option<Option<PathBuf>>,
+    /// Number of browsers at once
+    #[arg(long, value_name = "N", default_value_t = 4, requires = "browser", value_parser = clap::value_parser!(u64).range(1..=64))]
+    at_once: u64,
+    #[command(flatten)]
+    module: ModuleArguments,
     #[command(flatten)]
     overwrite: OverwriteArguments,
 }

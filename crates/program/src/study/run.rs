@@ -1,5 +1,6 @@
 //! The work of `cocarry study`.
 
+use super::browsers::{answered, found};
 use super::{
     Action, BuildArguments, CollectArguments, EthicsArguments, ForgetArguments, GivenSink, ModuleArguments,
     NewArguments, ServeArguments, SimulateArguments,
@@ -14,12 +15,14 @@ use anyhow::{Context, anyhow};
 use cocarry::episode::{Outcome, Settings};
 use cocarry::suggestion::shell_word;
 use cocarry_people::{
-    Admin, CollectedCarry, Refusal, Serving, Sink, Site, Store, StoreError, Study, TEMPLATE, Task, Trial,
-    add_file, carries_table, collect, ethics_page, orders, serve, simulate, token,
+    Admin, Browsers, CollectedCarry, Refusal, Serving, Sink, Site, Store, StoreError, Study, TEMPLATE, Task,
+    Trial, Truth, add_file, carries_table, collect, ethics_page, orders, serve, simulate, token,
 };
+use std::borrow::Cow;
 use std::fmt::Write;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// What is said of a page's seconds: reading a page of text, dividing 100 %, looking at a scale.
@@ -146,19 +149,23 @@ fn run_check(file: &Path) -> Result<(), Failure> {
 }
 
 /// The page of a study, with the simulator if people carry in it.
-fn site(study: &Study, sink: Sink, ModuleArguments { page }: &ModuleArguments) -> Result<Site, Failure> {
+fn site(study: &Study, sink: Sink, module: &ModuleArguments) -> Result<Site, Failure> {
+    Site::new(study, sink, carry_module(study, module)?).map_err(input)
+}
+
+/// The simulator as a WebAssembly module, if people carry.
+fn carry_module(
+    study: &Study,
+    ModuleArguments { page }: &ModuleArguments,
+) -> Result<Option<Cow<'static, [u8]>>, Failure> {
     const MODULE: &str = "/cocarry.wasm";
-    let module = match study.has_carry() {
-        false => None,
-        true => {
-            let pages = Pages::find(page.as_deref()).context("the task `carry`").map_err(input)?;
-            let module = pages
-                .get(MODULE)
-                .ok_or_else(|| input(anyhow!("the task `carry`: the page has no cocarry.wasm")))?;
-            Some(module.bytes)
-        }
-    };
-    Site::new(study, sink, module).map_err(input)
+    if !study.has_carry() {
+        return Ok(None);
+    }
+    let pages = Pages::find(page.as_deref()).context("the task `carry`").map_err(input)?;
+    let module = pages.get(MODULE);
+    let module = module.ok_or_else(|| input(anyhow!("the task `carry`: the page has no cocarry.wasm")))?;
+    Ok(Some(module.bytes))
 }
 
 fn run_build(arguments: &BuildArguments) -> Result<(), Failure> {
@@ -356,22 +363,17 @@ fn run_forget(ForgetArguments { study, id }: &ForgetArguments) -> Result<(), Fai
 }
 
 fn run_simulate(arguments: &SimulateArguments) -> Result<(), Failure> {
+    let SimulateArguments { participants, seed, truth, browser, at_once, module, .. } = arguments;
     let study = read(&arguments.study)?;
-    let outputs = arguments.overwrite.outputs([study.file.as_path()], &arguments.truth)?;
-    if study.has_carry() {
-        warn(&"simulated participants do not carry: their pages of the task `carry` stay empty");
-    }
-    let digest = Site::new(&study, Sink::Server, None).map_err(input)?.digest;
-    let mut store = Store::open(&study.simulated_database()).map_err(of_store)?;
-    let simulated = simulate(&study, &digest, &mut store, arguments.participants, arguments.seed);
-    let truths = simulated.map_err(|error| match error {
-        StoreError::Refused(Refusal::Full) => input(anyhow!(
-            "{}: has other simulated participants; remove the file first",
-            study.simulated_database().display()
-        )),
-        other => of_store(other),
-    })?;
-    if let Some(file) = &arguments.truth {
+    let outputs = arguments.overwrite.outputs([study.file.as_path()], truth)?;
+    let truths = match browser {
+        Some(program) => {
+            let browsers = Browsers { participants: *participants, seed: *seed, at_once: *at_once };
+            rehearsed(&study, browsers, program.as_deref(), module)?
+        }
+        None => simulated(&study, *participants, *seed)?,
+    };
+    if let Some(file) = truth {
         let mut table = csv::Writer::from_writer(Vec::new());
         let header = ["participant", "alpha", "gamma", "eta"].map(str::to_owned);
         let rows = truths.iter().map(|truth| {
@@ -384,6 +386,57 @@ fn run_simulate(arguments: &SimulateArguments) -> Result<(), Failure> {
         }
         write_file(&outputs, file, table.into_inner().expect("a table in memory is always written"))?;
     }
-    let (people, file) = (counted(arguments.participants, "participant"), study.simulated_database());
+    let (people, file) = (counted(*participants, "participant"), study.simulated_database());
     print(&format!("{people} answered into {}\n", file.display()))
+}
+
+/// Participants who answer without a browser.
+fn simulated(study: &Study, participants: u64, seed: u64) -> Result<Vec<Truth>, Failure> {
+    if study.has_carry() {
+        warn(
+            &"simulated participants do not carry: their pages of the task `carry` stay empty; with --browser they do",
+        );
+    }
+    let digest = Site::new(study, Sink::Server, None).map_err(input)?.digest;
+    let mut store = Store::open(&study.simulated_database()).map_err(of_store)?;
+    simulate(study, &digest, &mut store, participants, seed).map_err(|error| match error {
+        StoreError::Refused(Refusal::Full) => others(study),
+        other => of_store(other),
+    })
+}
+
+fn others(study: &Study) -> Failure {
+    let file = study.simulated_database();
+    input(anyhow!("{}: has other simulated participants; remove the file first", file.display()))
+}
+
+/// Participants who answer on the page.
+fn rehearsed(
+    study: &Study,
+    browsers: Browsers,
+    program: Option<&Path>,
+    module: &ModuleArguments,
+) -> Result<Vec<Truth>, Failure> {
+    let program = found(program)?;
+    let site = browsers.site(study, carry_module(study, module)?).map_err(input)?;
+    let database = study.simulated_database();
+    let store = Store::open(&database).map_err(of_store)?;
+    if store.counts().map_err(of_store)?[0] > 0 {
+        return Err(others(study));
+    }
+    let (listener, port) = listening("--port", 0)?;
+    let study = Study { participants: browsers.participants, ..study.clone() };
+    let serving =
+        Serving { study: study.clone(), site, store, hosts: vec![format!("127.0.0.1:{port}")], admin: None };
+    let interrupt = Interrupt::caught()?;
+    let watched = Store::open_existing(&database).map_err(of_store)?;
+    let is_over = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        let served = scope.spawn(|| serve(listener, serving, || is_over.load(Ordering::Relaxed)));
+        let answered = answered(&program, port, browsers, &watched, &interrupt);
+        is_over.store(true, Ordering::Relaxed);
+        let served = served.join().expect("the server does not panic");
+        answered.and(served.context("the study cannot be served").map_err(Failure::Output))
+    })?;
+    browsers.truths(&study, &watched).map_err(of_store)
 }
