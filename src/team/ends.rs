@@ -4,7 +4,7 @@
 use super::in_tandem::InTandem;
 use super::object_room::MAX_TURN_RAD_PER_M;
 use super::start::places;
-use super::team_path::{ARCS, BODY_ROOM_M, FreeSpace, Turned};
+use super::team_path::{ARCS, BODY_ROOM_M, Turned};
 use crate::error::{Error, ErrorKind, Place};
 use crate::geometry::{Path, PlanarPose, Point, angle_of, direction, wrap_angle, write_turn_onto};
 use crate::options::OptionSet;
