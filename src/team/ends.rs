@@ -22,8 +22,9 @@ const TURN_STEP_M: f64 = 0.1;
 
 /// The distance between the points of a way that are looked at, m.
 const LOOK_M: f64 = 0.02;
-/// How many other targets are tried at most to name the nearest with room: each takes a search of options.
-const MAX_TARGETS: usize = 24;
+/// How many other targets are tried at most to name the nearest with room, times obstacles: each takes a search of
+/// options.
+const MAX_TRIED: usize = 2000;
 
 impl<'a> InTandem<'a> {
     /// Whether the object turns slowly enough at the beginning of a path.
@@ -146,7 +147,8 @@ impl<'a> InTandem<'a> {
                 OptionSet::new(&there, risk_weight)
                     .is_ok_and(|options| self.among(&options).targets_have_room(&there).is_ok())
             };
-            let nearest = places(world.target).filter(may_have_room).take(MAX_TARGETS).find(has_room);
+            let tries = MAX_TRIED / (1 + world.obstacles.len());
+            let nearest = places(world.target).filter(may_have_room).take(tries).find(has_room);
             room.at_target(world, &option, nearest)
         })
     }
