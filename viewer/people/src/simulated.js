@@ -18,7 +18,9 @@ const one = (selector) => document.querySelector(`#study ${selector}`);
 const all = (selector) => [...document.querySelectorAll(`#study ${selector}`)];
 const heading = () => one("h1")?.textContent;
 const pageNumber = () => Number(/^Page (\d+) /.exec(document.getElementById("progress").textContent)?.[1] ?? 0);
+// A button that somebody sees. Pages that load something listen to theirs when it has the focus.
 const button = (text) => all("button").find((button) => button.textContent === text && !button.hidden && !button.disabled);
+const ready = (text) => until(() => button(text) === document.activeElement && document.activeElement);
 const submit = () => one("form button").click();
 
 // What the server says of the session: which order of pages it has.
@@ -47,7 +49,7 @@ const TASKS = {
     submit();
   },
   async switch({ step }, { world, option }) {
-    const start = await until(() => button("Start"));
+    const start = await ready("Start");
     start.click();
     // the walk begins with the next picture
     const began = await new Promise((first) => requestAnimationFrame(first));
@@ -58,7 +60,7 @@ const TASKS = {
     (await until(() => button("Continue"))).click();
   },
   async carry(_, { world, way, isLeading }) {
-    (await until(() => button("Start"))).click();
+    (await ready("Start")).click();
     const lead = one("button[aria-pressed]"), stage = one(".stage"), map = one(".stage svg");
     const { frames } = world.walks[way];
     const point = () => {
