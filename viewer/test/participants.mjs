@@ -119,6 +119,15 @@ export const offPage = (tab, number) => tab.waitForFunction((number) => !documen
 export const isShown = (tab) => tab.waitForFunction(() => document.querySelector("h1") && document.querySelector("h1").textContent !== "One moment", null, { timeout: 60e3 });
 export const isReady = (tab, text = "Start") => tab.waitForFunction((text) => document.activeElement?.textContent === text, text, { timeout: 240e3 });
 
+// Somebody goes to another tab, perhaps with the code, and comes back: longer than the page takes to send what it noted.
+export const leftAndBack = (tab) => tab.evaluate(async () => {
+  for (const hidden of [true, false]) {
+    Object.defineProperty(document, "hidden", { value: hidden, configurable: true });
+    document.dispatchEvent(new Event("visibilitychange", { bubbles: true }));
+    await new Promise((done) => setTimeout(done, 1500));
+  }
+});
+
 export async function looked(tab, name) {
   await tab.evaluate(AXE);
   const { violations } = await tab.evaluate(() => globalThis.axe.run(document, { resultTypes: ["violations"] }));

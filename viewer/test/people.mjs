@@ -8,7 +8,7 @@ import assert from "node:assert/strict";
 import { readFileSync, rmSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import {
-  Acknowledged, PAGES, carries, faults, goThrough, isReady, killed, looked, needPeople, newStudy, onPage, opened, serve, simulator, stored, world,
+  Acknowledged, PAGES, carries, faults, goThrough, isReady, killed, leftAndBack, looked, needPeople, newStudy, onPage, opened, serve, simulator, stored, world,
 } from "./participants.mjs";
 import { launch, serve as serveFolder } from "./serving.mjs";
 
@@ -102,6 +102,8 @@ async function one() {
   await looked(tab, "end-wide");
   const [code, number] = [await tab.locator("#code").textContent(), await tab.locator("#number").textContent()];
   assert.match(code, /^[0-9A-F]{8}$/);
+  await leftAndBack(tab);
+  assert.equal(await tab.locator("#code").textContent(), code);
   await tab.reload();
   assert.equal(await tab.locator("#code").textContent(), code);
   assert.deepEqual(faults(tab), []);

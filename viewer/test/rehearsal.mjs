@@ -1,10 +1,12 @@
-// `cocarry study simulate --browser`: simulated participants answer on the page, and say what they say without it.
+// `cocarry study simulate --browser`: simulated participants answer on the page, and say what they say without it; `infer` finds what
+// they are.
 //   node test/rehearsal.mjs PROGRAM [PARTICIPANTS AT_ONCE SEED]
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
 import { existsSync, readFileSync, rmSync } from "node:fs";
 import { join } from "node:path";
 import { carries, needPeople, newStudy, simulator, stored, world } from "./participants.mjs";
+import { covered } from "./simulated.mjs";
 
 const [program, participants = "4", atOnce = "4", seed = "7"] = process.argv.slice(2);
 needPeople(program);
@@ -60,6 +62,8 @@ if (carries) {
   assert.equal(carried.length, here.length);
   console.log(`${carried.length} carries replay equal; ${carried.filter(({ outcome }) => outcome === "arrived").length} arrived`);
 }
+
+covered(rehearsed, here.map((truth) => ({ truth, number: truth.participant })));
 
 // people's page knows nothing of it
 rehearsed.cocarry("study", "build", "study.toml", "-o", "site", ...simulator);

@@ -212,7 +212,7 @@ function compare(study, people, planned) {
 }
 
 // Whether the intervals of `infer` cover the truths.
-function covered(study, people) {
+export function covered(study, people) {
   const { people: inferred } = JSON.parse(study.cocarry("infer", "answers/answers.csv", "answers/switches.csv", "--json"));
   const counts = { alpha: 0, gamma: 0, eta: 0 };
   for (const { truth, number } of people) {

@@ -18,6 +18,7 @@ export class Recorder {
   #trial = 0;
   #number = 0;
   #records = [];
+  #isOver = false;
   // one after the other: making chunks, and sending them
   #making = Promise.resolve();
   #sending = Promise.resolve();
@@ -53,6 +54,7 @@ export class Recorder {
   }
 
   note(kind, more = {}) {
+    if (this.#isOver) return;
     this.#records.push({ kind, at_ms: Math.round(performance.now()), ...more });
   }
 
@@ -100,6 +102,8 @@ export class Recorder {
 
   // Waits until the sink has everything; returns its answer, which may have the code.
   async finish() {
+    // whoever leaves the last page for another tab, with the code, adds nothing to a session that is finished
+    this.#isOver = true;
     await this.#flush();
     await this.#sending;
     const digest = await wholeDigest(this.chunks);
