@@ -73,7 +73,7 @@ const TASKS = {
     stage.setPointerCapture = () => {};
     const points = (type) => {
       const { x, y } = point();
-      stage.dispatchEvent(new PointerEvent(type, { bubbles: true, pointerId: 1, pointerType: "mouse", isPrimary: true, button: 0, clientX: x, clientY: y }));
+      stage.dispatchEvent(new PointerEvent(type, { bubbles: true, pointerId: 1, pointerType: navigator.maxTouchPoints > 0 ? "touch" : "mouse", isPrimary: true, button: 0, clientX: x, clientY: y }));
     };
     if (isLeading) lead.click();
     for (let type = "pointerdown"; !button("Continue"); type = "pointermove") {
