@@ -22,8 +22,8 @@ const TURN_STEP_M: f64 = 0.1;
 
 /// The distance between the points of a way that are looked at, m.
 const LOOK_M: f64 = 0.02;
-/// How many other targets are tried at most to name the nearest with room, times obstacles: each takes a search of
-/// options.
+/// How many other targets are tried at most, times obstacles, to name the nearest with room: each takes a search
+/// of options.
 const MAX_TRIED: usize = 2000;
 
 impl<'a> InTandem<'a> {

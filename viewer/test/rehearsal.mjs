@@ -1,15 +1,17 @@
-// `cocarry study simulate --browser`: simulated participants answer on the page, and say what they say without it; `infer` finds what
-// they are.
+// `cocarry study simulate --browser`: simulated participants answer on the page, and say what they say without
+// it; `infer` finds what they are.
 //   node test/rehearsal.mjs PROGRAM [PARTICIPANTS AT_ONCE SEED]
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
-import { existsSync, readFileSync, rmSync } from "node:fs";
+import { existsSync, readFileSync, readdirSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { carries, needPeople, newStudy, simulator, stored, world } from "./participants.mjs";
 import { covered } from "./simulated.mjs";
 
 const [program, participants = "4", atOnce = "4", seed = "7"] = process.argv.slice(2);
 needPeople(program);
+const BROWSER = process.env.CHROMIUM ? `--browser=${process.env.CHROMIUM}` : "--browser";
 const worlds = { "short.toml": world("Short") };
 const study = () => newStudy(program, worlds);
 const rehearsed = study(), planned = study();
@@ -26,8 +28,9 @@ assert.equal(ended.status, 4, ended.stderr);
 assert.match(ended.stderr, /--browser: \/bin\/false ended \(exit status: 1\); 0 of \d+ participants have finished/);
 assert.ok(!existsSync(join(rehearsed.folder, "truth.csv")));
 
+const before = new Set(readdirSync(tmpdir()));
 const began = Date.now();
-rehearsed.cocarry(...simulate, `--browser=${process.env.CHROMIUM}`, "--at-once", atOnce, ...simulator);
+rehearsed.cocarry(...simulate, BROWSER, "--at-once", atOnce, ...simulator);
 const seconds = Math.round((Date.now() - began) / 1000);
 planned.cocarry(...simulate);
 for (const { cocarry } of [rehearsed, planned]) cocarry(...collect);
@@ -70,6 +73,8 @@ rehearsed.cocarry("study", "build", "study.toml", "-o", "site", ...simulator);
 assert.ok(!existsSync(join(rehearsed.folder, "site/simulated.js")));
 assert.doesNotMatch(readFileSync(join(rehearsed.folder, "site/index.html"), "utf8"), /simulated/);
 // others are not mixed with these
-const again = spawnSync(program, [...simulate, "--overwrite", "--browser", ...simulator], { cwd: rehearsed.folder, encoding: "utf8" });
+const again = spawnSync(program, [...simulate, "--overwrite", BROWSER, ...simulator], { cwd: rehearsed.folder, encoding: "utf8" });
 assert.match(again.stderr, /study\.simulated\.sqlite: has other simulated participants; remove the file first/);
+// no browser leaves a folder
+assert.deepEqual(readdirSync(tmpdir()).filter((name) => name.startsWith("cocarry-browser-") && !before.has(name)), []);
 for (const { folder } of [rehearsed, planned]) rmSync(folder, { recursive: true });

@@ -6,7 +6,7 @@ use crate::site::{Sink, Site};
 use crate::store::{Store, StoreError};
 use crate::study::Study;
 use cocarry::Error;
-use serde_json::json;
+use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 
 /// The parameter of the page's address that says which participant answers.
@@ -30,13 +30,18 @@ impl Browsers {
     /// # Errors
     /// As [`Site::new`].
     pub fn site(&self, study: &Study, module: Option<Cow<'static, [u8]>>) -> Result<Site, Error> {
-        let Self { participants, seed, at_once } = *self;
         let orders = orders(study);
-        let person = |i| answers(study, &orders[i as usize % orders.len()], seed, i).pages;
-        let plan = json!({
-            "participants": (0..participants).map(person).collect::<Vec<_>>(),
-            "at_once": at_once,
-        });
+        let person = |i| {
+            let next = Some(i + self.at_once).filter(|next| *next < self.participants);
+            let plan = json!({
+                "answers": answers(study, &orders[i as usize % orders.len()], self.seed, i).pages,
+                "leads": i % 2 == 1,
+                "next": next.map(|next| self.query(next)),
+            });
+            (identity(i), plan)
+        };
+        let people: Map<String, Value> = (0..self.participants).map(person).collect();
+        let plan = json!({ "parameter": PARAMETER, "people": people });
         Ok(Site::new(study, Sink::Server, module)?.answering(PARAMETER, &plan))
     }
 

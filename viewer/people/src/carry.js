@@ -119,11 +119,12 @@ export const CarryAlong = plugin("carry", async (display, trial) => {
   // the one in which pointers count
   const stage = make("div", { class: "stage carried", id: "map" }, map, picture);
   const says = make("p", { role: "status" }, "You are the person in blue. Move your hand with a finger or the mouse held down on the picture, the arrow keys, or a gamepad's stick. T or the button takes the lead, and gives it back; R or the button, held, resists.");
-  const button = make("button", { type: "button" }, "Start");
+  const button = make("button", { type: "button", disabled: true }, "Start");
   const lead = make("button", { type: "button", class: "quiet", hidden: true, "aria-pressed": "false" }, "Take the lead (T)");
   const resist = make("button", { type: "button", class: "quiet", hidden: true, "aria-pressed": "false" }, "Resist (hold R)");
   show(display, "Carry along", ...practice(trial), stage, says, make("p", { class: "hands" }, button, lead, resist));
   await map.decode().catch(() => {});
+  button.disabled = false;
   button.focus({ preventScroll: true });
 
   // the place on the floor at a point of the window

@@ -1,7 +1,7 @@
 // A simulated participant in the page of a study. `cocarry study simulate --browser` serves this beside the page, with what each
 // participant answers; nothing of it is in the page of people. Pages are read and pressed as somebody would: the page itself knows
 // nothing of it. One browser goes through several participants, one after the other.
-const PARAMETER = "simulated";
+
 // How far ahead of the object the pointer of somebody who leads is, frames of a walk (25 mm each), and how often it moves, ms.
 const AHEAD = 45, MOVE_MS = 150;
 const LOOK_MS = 20;
@@ -18,9 +18,7 @@ const one = (selector) => document.querySelector(`#study ${selector}`);
 const all = (selector) => [...document.querySelectorAll(`#study ${selector}`)];
 const heading = () => one("h1")?.textContent;
 const pageNumber = () => Number(/^Page (\d+) /.exec(document.getElementById("progress").textContent)?.[1] ?? 0);
-// A button that somebody sees. Pages that load something listen to theirs when it has the focus.
 const button = (text) => all("button").find((button) => button.textContent === text && !button.hidden && !button.disabled);
-const ready = (text) => until(() => button(text) === document.activeElement && document.activeElement);
 const submit = () => one("form button").click();
 
 // What the server says of the session: which order of pages it has.
@@ -49,7 +47,7 @@ const TASKS = {
     submit();
   },
   async switch({ step }, { world, option }) {
-    const start = await ready("Start");
+    const start = await until(() => button("Start"));
     start.click();
     // the walk begins with the next picture
     const began = await new Promise((first) => requestAnimationFrame(first));
@@ -60,7 +58,7 @@ const TASKS = {
     (await until(() => button("Continue"))).click();
   },
   async carry(_, { world, way, isLeading }) {
-    (await ready("Start")).click();
+    (await until(() => button("Start"))).click();
     const lead = one("button[aria-pressed]"), stage = one(".stage"), map = one(".stage svg");
     const { frames } = world.walks[way];
     const point = () => {
@@ -99,9 +97,8 @@ const TASKS = {
 };
 
 async function takePart() {
-  const number = Number(/^simulated-(\d+)$/.exec(new URLSearchParams(location.search).get(PARAMETER))?.[1]);
-  const [study, { participants, at_once: atOnce }] = await Promise.all(["study.json", "simulated.json"].map(async (name) => (await fetched(name)).json()));
-  const answers = participants[number];
+  const [study, { parameter, people }] = await Promise.all(["study.json", "simulated.json"].map(async (name) => (await fetched(name)).json()));
+  const { answers, leads, next } = people[new URLSearchParams(location.search).get(parameter)];
   // the answer to a page, whichever order the pages have
   const planned = ({ task, practice, ...page }, world) => answers.find((answer) =>
     answer.task === task && (world === undefined || answer.world === world.name) &&
@@ -114,11 +111,10 @@ async function takePart() {
     const at = await until(() => (heading() === "The end" ? Infinity : place !== null && pageNumber() > done && heading() !== "One moment" && pageNumber()));
     if (at === Infinity) break;
     const page = study.orders[place % study.orders.length][at - 1], world = study.worlds[page.world];
-    await TASKS[page.task](planned(page, world), { world, option: page.option, way: world && way(world), isLeading: page.practice || number % 2 === 1 });
+    await TASKS[page.task](planned(page, world), { world, option: page.option, way: world && way(world), isLeading: page.practice || leads });
     done = at;
   }
-  const next = number + atOnce;
-  if (next < participants.length) location.search = `?${PARAMETER}=simulated-${next}`;
+  if (next) location.search = next;
 }
 
 takePart();

@@ -30,9 +30,10 @@ export const Switch = plugin("switch", async (display, trial) => {
   picture.append(group);
   place(group, world, walk, 0);
   const says = make("p", { role: "status" }, "Press the space bar, or the button, to start.");
-  const button = make("button", { type: "button" }, "Start");
+  const button = make("button", { type: "button", disabled: true }, "Start");
   show(display, "When would you stop following the robot?", ...practice(trial), make("div", { class: "stage" }, map, picture), says, make("p", {}, button));
   await map.decode().catch(() => {});
+  button.disabled = false;
   button.focus({ preventScroll: true });
 
   return new Promise((done) => {

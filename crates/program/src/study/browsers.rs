@@ -33,11 +33,13 @@ const BROWSERS_PER_PHONE: u64 = 4;
 /// The interval between two looks at the answers, and the longest time without any.
 const POLL_INTERVAL: Duration = Duration::from_millis(200);
 const PATIENCE: Duration = Duration::from_secs(120);
+/// How long a browser that was ended may take to leave its folder.
+const FAREWELL: Duration = Duration::from_secs(5);
 
 /// A browser, which ends with this, and the folder that it keeps its things in.
 struct Browser {
     process: Child,
-    _profile: TempDir,
+    profile: TempDir,
 }
 
 impl Drop for Browser {
@@ -45,6 +47,12 @@ impl Drop for Browser {
         // one that has ended already cannot be killed
         let _ = self.process.kill();
         let _ = self.process.wait();
+        // its own processes end a moment later, and write until then
+        let is_gone = |folder: &Path| std::fs::remove_dir_all(folder).is_ok() || !folder.exists();
+        let ended = Instant::now();
+        while !is_gone(self.profile.path()) && ended.elapsed() < FAREWELL {
+            std::thread::sleep(POLL_INTERVAL);
+        }
     }
 }
 
@@ -66,7 +74,7 @@ impl Browser {
         command.arg(address).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
         let process =
             command.spawn().map_err(|error| input(anyhow!("--browser: {}: {error}", program.display())))?;
-        Ok(Self { process, _profile: profile })
+        Ok(Self { process, profile })
     }
 }
 
