@@ -6,6 +6,7 @@ the density itself, and the draws have the right distribution. Adaptation would 
 because trajectories that cross a step are not accepted; the step size is given.
 """
 
+import csv
 import json
 import pathlib
 import subprocess
@@ -23,12 +24,14 @@ from numpyro.infer import MCMC, NUTS
 
 numpyro.enable_x64()
 
-PROGRAM = sys.argv[1]
+PROGRAM, *TABLES = sys.argv[1:]
 DATA = pathlib.Path("docs/data")
 # Sec. IV-A and V of the paper
 ALPHA, GAMMA, RISK_WEIGHT, ROBOT_WIDTH = (0.55, 0.95), (0.5, 1.1), 10.0, 0.5
 ETA_MEDIAN, ETA_LOG_STD = 10.5, 0.5
 CHAINS, WARMUP, DRAWS, STEP_SIZE = 8, 500, 25_000, 0.3
+# Participants of a given table that are compared.
+MAX_PEOPLE = 6
 # four deviations: one in 16 000 by chance
 MOST = 4.0
 
@@ -48,15 +51,15 @@ def option_table(world):
     return numpy.array(lengths), numpy.array(risks), [option["name"] for option in said["options"]]
 
 
-def perception(lengths, risks, answers, lapse):
-    """The model of alpha and gamma. A row for each answer, a column for each option."""
+def perception(lengths, risks, shares, n, lapse):
+    """The model of alpha and gamma. A row for each answer, a column for each of n options with its share."""
     alpha = numpyro.sample("alpha", distributions.Uniform(*ALPHA))
     gamma = numpyro.sample("gamma", distributions.Uniform(*GAMMA))
     perceived = lengths**alpha + RISK_WEIGHT * jnp.exp(-((-jnp.log(risks)) ** gamma))  # eq. (2)
     preferred = jnp.argmin(perceived, axis=1)  # eq. (3)
-    n = lengths.shape[1]
-    right = preferred == answers
-    numpyro.factor("answers", jnp.log(jnp.where(right, 1 - lapse + lapse / n, lapse / n)).sum())
+    is_preferred = jnp.arange(lengths.shape[1]) == preferred[:, None]
+    # an answer is one choice, distributed as the participant says
+    numpyro.factor("answers", (shares * jnp.log(jnp.where(is_preferred, 1 - lapse + lapse / n, lapse / n))).sum())
 
 
 def tolerance(low, high, lapse):
@@ -98,21 +101,34 @@ def moments(who, name, ours, values):
     compare(who, f"variance of {name}", ours["std"] ** 2, (values - ours["mean"]) ** 2)
 
 
-def check_perception(people, lapse):
+def table(path):
+    """The rows of a table, by their columns; comments begin with #."""
+    return list(csv.DictReader(line for line in path.read_text().splitlines() if line and not line.startswith("#")))
+
+
+def padded(rows, value):
+    """Rows as a matrix, shorter ones filled up."""
+    width = max(map(len, rows))
+    return numpy.array([[*row, *[value] * (width - len(row))] for row in rows])
+
+
+def check_perception(path, people, lapse):
     answers = {}
-    for line in (DATA / "simulated-answers.csv").read_text().splitlines():
-        cells = line.split(",")
-        if cells[-1] == "100":
-            answers.setdefault(cells[0], []).append((cells[1], cells[2]))
-    said = cocarry("infer", DATA / "simulated-answers.csv", "--no-population", "--lapse-rate", lapse)
+    for row in table(path):
+        worlds = answers.setdefault(row["participant"], {})
+        worlds.setdefault(row["world"], {})[row["option"]] = float(row["percent"]) / 100
+    said = cocarry("infer", path, "--no-population", "--lapse-rate", lapse)
     for person in said["people"]:
         who = person["participant"]
         if who not in people:
             continue
-        tables = [option_table(world) for world, _ in answers[who]]
-        chosen = [names.index(option) for (_, option), (_, _, names) in zip(answers[who], tables, strict=True)]
-        lengths, risks = (numpy.array([table[k] for table in tables]) for k in (0, 1))
-        draws = drawn(perception, 1, lengths, risks, numpy.array(chosen), lapse)
+        tables = {world: option_table(world) for world in answers[who]}
+        shares = [[answers[who][world].get(name, 0.0) for name in names] for world, (_, _, names) in tables.items()]
+        # where a world has fewer options, nobody takes one of a thousand kilometres
+        lengths = padded([found[0] for found in tables.values()], 1e6)
+        risks = padded([found[1] for found in tables.values()], 0.5)
+        counts = numpy.array([[len(names)] for _, _, names in tables.values()])
+        draws = drawn(perception, 1, lengths, risks, padded(shares, 0.0), counts, lapse)
         alpha, gamma = draws["alpha"], draws["gamma"]
         moments(who, "alpha", person["alpha"], alpha)
         moments(who, "gamma", person["gamma"], gamma)
@@ -123,15 +139,14 @@ def check_perception(people, lapse):
         compare(who, "P(gamma in 95 %)", 0.95, ((low <= gamma) & (gamma <= high)).astype(float))
 
 
-def check_tolerance(people, lapse):
+def check_tolerance(path, people, lapse):
     with tempfile.TemporaryDirectory() as folder:
-        path = pathlib.Path(folder) / "people.zarr.zip"
-        said = cocarry("infer", DATA / "simulated-switches.csv", "--lapse-rate", lapse, "--arviz", path)
-        observed = zarr.open(zarr.ZipStore(str(path), mode="r"), mode="r")["observed_data"]
+        draws = pathlib.Path(folder) / "people.zarr.zip"
+        said = cocarry("infer", path, "--lapse-rate", lapse, "--arviz", draws)
+        observed = zarr.open(zarr.ZipStore(str(draws), mode="r"), mode="r")["observed_data"]
         low, high = observed["eta_low"][:], observed["eta_high"][:]
     # tasks are in the order of the file, by participant
-    names = [line.split(",")[0] for line in (DATA / "simulated-switches.csv").read_text().splitlines()]
-    names = [name for name in names if name and not name.startswith("#") and name != "participant"]
+    names = [row["participant"] for row in table(path)]
     for person in said["people"]:
         who = person["participant"]
         if who in people:
@@ -141,8 +156,14 @@ def check_tolerance(people, lapse):
 
 
 print(f"{'who':8} {'what':18} {'ours':>11} {'NUTS':>11} {'MCSE':>10} {'z':>6} {'ESS':>8} {'R-hat':>7}")
-check_perception(["anna", "clara", "grete", "ida"], 0.1)
-check_tolerance(["clara"], 0.3)
+if TABLES:
+    answers, switches = map(pathlib.Path, TABLES)
+    first = list(dict.fromkeys(row["participant"] for row in table(answers)))[:MAX_PEOPLE]
+    check_perception(answers, first, 0.1)
+    check_tolerance(switches, first, 0.3)
+else:
+    check_perception(DATA / "simulated-answers.csv", ["anna", "clara", "grete", "ida"], 0.1)
+    check_tolerance(DATA / "simulated-switches.csv", ["clara"], 0.3)
 if worst:
     sys.exit("\n".join(worst))
 print(f"numpyro {numpyro.__version__}: {len(rows)} figures, {CHAINS} chains of {DRAWS} draws for each person; "
