@@ -186,12 +186,10 @@ impl RobotTick {
 
     /// This period and the next one of a planning step: costs and inputs added up, states at the end.
     pub(super) fn and(self, next: &Self) -> Self {
-        let Self { configuration, grasp_goal, preparation, input_matrix, .. } = self;
+        let Self { configuration, grasp_goal, .. } = self;
         Self {
             configuration,
             grasp_goal,
-            preparation,
-            input_matrix,
             input: self.input + next.input,
             outcome: harder(self.outcome, next.outcome),
             tracking_cost: self.tracking_cost + next.tracking_cost,

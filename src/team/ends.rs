@@ -3,7 +3,7 @@
 
 use super::in_tandem::InTandem;
 use super::object_room::MAX_TURN_RAD_PER_M;
-use super::start::places;
+use super::start::{RING_M, SEARCH_M, places, rounded};
 use super::team_path::{ARCS, BODY_ROOM_M, Turned};
 use crate::error::{Error, ErrorKind, Place};
 use crate::geometry::{Path, PlanarPose, Point, angle_of, direction, wrap_angle, write_turn_onto};
@@ -22,9 +22,8 @@ const TURN_STEP_M: f64 = 0.1;
 
 /// The distance between the points of a way that are looked at, m.
 const LOOK_M: f64 = 0.02;
-/// How many other targets are tried at most, times obstacles, to name the nearest with room: each takes a search
-/// of options.
-const MAX_TRIED: usize = 2000;
+/// How many other targets are tried at most, times obstacles, to name one with room: each takes a search of options.
+const MAX_TRIED: usize = 1000;
 
 impl<'a> InTandem<'a> {
     /// Whether the object turns slowly enough at the beginning of a path.
@@ -123,23 +122,23 @@ impl<'a> InTandem<'a> {
         found.unwrap_or((path, 0.0))
     }
 
-    /// Refuses a world in which the human has no room beyond the end of an option, and names the nearest target
-    /// with room, with the options that `risk_weight` (m) makes the cheapest.
+    /// Refuses a world in which the human has no room beyond the end of an option, and names a near target with
+    /// room: back on that option's path, or else beside. `risk_weight` (m) makes the cheapest options there.
     ///
     /// # Errors
     /// [`ErrorKind::World`].
     pub fn check_targets(&self, world: &World, risk_weight: f64) -> Result<(), Error> {
-        self.targets_have_room(world).map_err(|(option, room)| {
+        self.targets_have_room(world).map_err(|(option, path, room)| {
             let ahead = angle_of(Point::new(room.x, room.y) - world.target);
+            let has_room_at = |place: Point, heading: f64| {
+                let beyond = place + direction(heading) * self.team_path().body_ahead();
+                check(world, BODY_ROOM_M, [place, beyond]).is_ok()
+            };
             let may_have_room = |place: &Point| {
-                let has_room_at = |turn| {
-                    let beyond = *place + direction(ahead + turn) * self.team_path().body_ahead();
-                    check(world, BODY_ROOM_M, [*place, beyond]).is_ok()
-                };
                 let mut turns = [0.0].into_iter().chain(turns().take_while(|turn| turn.abs() < PI / 2.0));
                 // within sight of the target that was given
                 check(world, world.robot_width / 2.0, [world.target, *place]).is_ok()
-                    && turns.any(has_room_at)
+                    && turns.any(|turn| has_room_at(*place, ahead + turn))
             };
             let has_room = |place: &Point| {
                 let mut there = world.clone();
@@ -148,20 +147,32 @@ impl<'a> InTandem<'a> {
                     .is_ok_and(|options| self.among(&options).targets_have_room(&there).is_ok())
             };
             let tries = MAX_TRIED / (1 + world.obstacles.len());
-            let nearest = places(world.target).filter(may_have_room).take(tries).find(has_room);
-            room.at_target(world, &option, nearest)
+            let on_path = places_back(&path).filter(|(place, heading)| has_room_at(*place, *heading));
+            let beside = places(world.target).filter(may_have_room);
+            let instead =
+                on_path.map(|(place, _)| place).take(tries).chain(beside.take(tries)).find(has_room);
+            room.at_target(world, &option, instead)
         })
     }
 
-    /// Whether the human has room beyond the end of every option; if not, the name of an option, and the room.
-    fn targets_have_room(&self, world: &World) -> Result<(), (String, NoRoom)> {
+    /// Whether the human has room beyond the end of every option; if not, the name of an option, its path, and the
+    /// room.
+    fn targets_have_room(&self, world: &World) -> Result<(), (String, Path, NoRoom)> {
         let options = self.free_space().options;
         options.options().iter().enumerate().try_for_each(|(o, option)| {
             let path = options.path_passing(&options.begin(), o, Self::PASSING).unwrap_or_default();
-            let beyond = self.team_path().beyond_end(&self.widened(&self.ended(path).0));
-            check(world, BODY_ROOM_M, beyond).map_err(|room| (option.name.clone(), room))
+            let beyond = self.team_path().beyond_end(&self.widened(&self.ended(path.clone()).0));
+            check(world, BODY_ROOM_M, beyond).map_err(|room| (option.name.clone(), path, room))
         })
     }
+}
+
+/// Places on a path, the nearest to its end first, rounded as in messages, with the path's heading there (rad).
+fn places_back(path: &Path) -> impl Iterator<Item = (Point, f64)> {
+    let steps = (SEARCH_M / RING_M).round() as u32;
+    let along =
+        (1..=steps).map(move |i| path.length() - RING_M * f64::from(i)).take_while(|along| *along > 0.0);
+    along.map_while(move |along| Some((rounded(path.point_at(along)?), path.heading_at(along)?)))
 }
 
 /// A straight way of a carrier that comes too close to an obstacle.
@@ -203,14 +214,14 @@ impl NoRoom {
                 format!("the team fits, but cannot turn onto its path: obstacle `{obstacle}` is too near")
             }
         };
-        let instead = instead("start", nearest);
+        let instead = instead("the nearest start", nearest);
         refused(world, format_args!("no room at the start: {fault}{instead}"))
     }
 
     /// The room that is missing at the end of an option, and which target to take instead.
     fn at_target(&self, world: &World, option: &str, nearest: Option<Point>) -> Error {
         let Self { x, y, distance, obstacle, needed, length, to_turn: _ } = self;
-        let (missing, instead) = (needed - distance, instead("target", nearest));
+        let (missing, instead) = (needed - distance, instead("a target", nearest));
         refused(
             world,
             format_args!(
@@ -222,7 +233,7 @@ impl NoRoom {
 
 /// The end of a refusal: where there is room.
 fn instead(end: &str, nearest: Option<Point>) -> String {
-    nearest.map_or(String::new(), |p| format!("; the nearest {end} with room is ({:.2}, {:.2})", p.x, p.y))
+    nearest.map_or(String::new(), |p| format!("; {end} with room is ({:.2}, {:.2})", p.x, p.y))
 }
 
 fn refused(world: &World, sentence: std::fmt::Arguments) -> Error {

@@ -17,8 +17,8 @@ const BENT_RAD: f64 = 0.7;
 /// Headings closer than this (rad) are the same.
 const SAME_HEADING_RAD: f64 = 1e-9;
 /// How far from A or B another one is looked for (m), in rings of this width and with this many places each.
-const SEARCH_M: f64 = 3.0;
-const RING_M: f64 = 0.1;
+pub(super) const SEARCH_M: f64 = 3.0;
+pub(super) const RING_M: f64 = 0.1;
 const PLACES: u32 = 24;
 const PLACE_STEP_M: f64 = 0.01;
 /// The accuracy of the missing room in messages, m.
@@ -193,9 +193,11 @@ pub(super) fn places(around: Point) -> impl Iterator<Item = Point> {
     let rings = (SEARCH_M / RING_M).round() as u32;
     (1..=rings).flat_map(move |ring| {
         let angle = |i: u32| TAU * f64::from(i) / f64::from(PLACES);
-        (0..PLACES).map(move |i| {
-            let place = around + direction(angle(i)) * (RING_M * f64::from(ring));
-            place.map(|x| (x / PLACE_STEP_M).round() * PLACE_STEP_M)
-        })
+        (0..PLACES).map(move |i| rounded(around + direction(angle(i)) * (RING_M * f64::from(ring))))
     })
+}
+
+/// A place as messages give it.
+pub(super) fn rounded(place: Point) -> Point {
+    place.map(|x| (x / PLACE_STEP_M).round() * PLACE_STEP_M)
 }

@@ -401,7 +401,7 @@ fn a_target_without_room_for_the_human_is_reached_in_an_arc_or_refused() {
         "{error}"
     );
     // where the message says that there is room, a team arrives
-    let (fault, nearest) = error.split_once("; the nearest target with room is (").expect(&error);
+    let (fault, nearest) = error.split_once("; a target with room is (").expect(&error);
     assert!(fault.ends_with(" m are missing)"), "{error}");
     let nearest = nearest.trim_end().strip_suffix(')').expect(&error);
     let file = folder.path().join("shelf.toml");
