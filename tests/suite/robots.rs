@@ -63,6 +63,19 @@ pub fn carrier_that_mimics() -> Robot {
     ])
 }
 
+/// With a mast beside the arm, which turns with the elbow: by `ratio` times its angle, which is 96 degrees at
+/// the start.
+pub fn carrier_with_mast(ratio: f64) -> Robot {
+    let mast = format!(
+        "<link name=\"mast\"><inertial><origin xyz=\"0 0 0.1\"/><mass value=\"0.5\"/>
+         <inertia ixx=\"0.01\" ixy=\"0\" ixz=\"0\" iyy=\"0.01\" iyz=\"0\" izz=\"0.01\"/></inertial></link>
+         <joint name=\"mast_joint\" type=\"revolute\"><parent link=\"base_link\"/><child link=\"mast\"/>
+         <origin xyz=\"-0.1 0 0.3\"/><axis xyz=\"0 1 0\"/><limit lower=\"-6\" upper=\"6\" effort=\"10\" velocity=\"3\"/>
+         <mimic joint=\"elbow_flex_joint\" multiplier=\"{ratio}\" offset=\"0.1\"/></joint></robot>"
+    );
+    altered(&[("</robot>", &mast)])
+}
+
 fn start(robot: &Robot) -> Configuration {
     Configuration { base: AT_ORIGIN, joints: robot.postures[0].joints }
 }

@@ -90,7 +90,7 @@ impl Articulation {
                 (Some((parent, frame)), Some((joint, driver))) => {
                     let data = joint_data(joint, &robot.joints[driver], frame);
                     let handle = world.multibody_joints.insert(handles[parent], body, data, true)?;
-                    motors.push(Motor::new(handle, joint, driver, robot));
+                    motors.push(Motor::new(handle, joint, (driver, start.joints[driver]), robot));
                 }
                 _ => {
                     let planar = JointAxesMask::LIN_Z | JointAxesMask::ANG_X | JointAxesMask::ANG_Y;

@@ -47,8 +47,13 @@ pub(super) struct Motor {
 
 impl Motor {
     /// The motor of `joint`, which is the robot's arm joint `driver`, or the gear from it to one that mimics
-    /// it.
-    pub fn new(handle: MultibodyJointHandle, joint: &Joint, driver: usize, robot: &Robot) -> Self {
+    /// it. A gear is at rest where that arm joint is at `start`.
+    pub fn new(
+        handle: MultibodyJointHandle,
+        joint: &Joint,
+        (driver, start): (usize, f64),
+        robot: &Robot,
+    ) -> Self {
         let is_own = joint.mimic.is_none();
         let limit = joint.limits.effort;
         let effort = if is_own && limit > 0.0 { limit.min(NO_LIMIT) } else { NO_LIMIT };
@@ -65,7 +70,7 @@ impl Motor {
             stiffness,
             damping: stiffness / STIFFNESS_PER_DAMPING,
             limits: [lower.max(-1e9), upper.min(1e9)],
-            rest: 0.0,
+            rest: if is_own { 0.0 } else { joint.coupling.ratio * start + joint.coupling.offset },
         }
     }
 

@@ -145,6 +145,25 @@ fn closed_form_mimicking_joints_stay_with_the_joints_that_bear_their_load() {
     }
 }
 
+/// A gear begins where its joint is: nothing jumps in the first steps.
+#[test]
+fn closed_form_a_joint_that_mimics_one_away_from_zero_begins_at_rest() {
+    for ratio in [-2.0, -0.5, 0.5, 1.0, 2.0] {
+        let robot = crate::robots::carrier_with_mast(ratio);
+        let mut plant = plant(&robot, &world(""), &steady());
+        for tick in 0..20 {
+            let seen = plant.step(&InputVector::zeros(), &HumanCommand::Follow, PERIOD);
+            assert_eq!(seen.failure, None);
+            assert!(
+                seen.grip.peak < 25.0 && seen.grip.deflection < 0.002,
+                "{ratio}, {tick}: {:?}",
+                seen.grip
+            );
+        }
+        assert_links_agree(&robot, &plant, 2e-3);
+    }
+}
+
 #[test]
 fn closed_form_at_rest_the_grips_share_the_weight() {
     for robot in robots() {
