@@ -286,7 +286,7 @@ impl ControlSummary {
             SolveOutcome::Constrained { active } => self.constrained_steps += u64::from(active > 0),
             SolveOutcome::Fallback(_) => self.fallback_steps += 1,
         }
-        self.pose_changes += u64::from(tick.preparation.is_some_and(|p| p.candidate != 0));
+        self.pose_changes += u64::from(tick.pose_changed);
         self.overlapping_steps += u64::from(tick.base_clearance < 0.0);
         self.least_clearance = self.least_clearance.min(tick.base_clearance);
         self.self_contact_steps += u64::from(tick.self_contact.is_some());

@@ -17,7 +17,11 @@ pub struct RobotTick {
     /// has no other state.
     pub grasp_goal: PlanarPose,
     /// The prepared configuration: while the human leads, or in every step if so configured.
+    /// That of the step's last control period.
     pub preparation: Option<Preparation>,
+    /// Whether eq. (8) chose another configuration in a control period of the step.
+    #[serde(default)]
+    pub pose_changed: bool,
     /// u: the base's inputs and joint rates.
     #[serde(with = "without_last")]
     pub input: InputVector,
@@ -168,6 +172,7 @@ impl RobotTick {
             configuration,
             grasp_goal,
             preparation: command.preparation,
+            pose_changed: command.preparation.is_some_and(|p| p.candidate != 0),
             input: command.input,
             outcome: command.outcome,
             input_matrix: command.input_matrix,
@@ -190,6 +195,7 @@ impl RobotTick {
         Self {
             configuration,
             grasp_goal,
+            pose_changed: self.pose_changed || next.pose_changed,
             input: self.input + next.input,
             outcome: harder(self.outcome, next.outcome),
             tracking_cost: self.tracking_cost + next.tracking_cost,

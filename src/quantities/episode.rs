@@ -69,7 +69,7 @@ pub const EPISODE: &[Quantity] = quantities! {
     "largest_position_error_m", METRES, "largest distance between grasp and reference, which is on the planned path", |v| v.control().map(|c| c.largest_error);
     "constrained_steps", Count, "steps in which a limit of joints, wheels or obstacles was active", |v| v.control().map(|c| c.constrained_steps);
     "fallback_steps", Count, "steps without a solution of eq. (7)", |v| v.control().map(|c| c.fallback_steps);
-    "pose_change_count", Count, "steps in which eq. (8) chose another configuration", |v| v.control().map(|c| c.pose_changes);
+    "pose_change_count", Count, "steps in which eq. (8) chose another configuration, in any of their control periods", |v| v.control().map(|c| c.pose_changes);
     "overlapping_steps", Count, "steps in which the base overlapped an obstacle", |v| v.control().map(|c| c.overlapping_steps);
     "least_base_clearance_m", METRES, "least distance between base and obstacles; missing without obstacles", |v| v.control().map(|c| c.least_clearance);
     "self_contact_steps", Count, "steps in which two links of the robot touched each other at the end of a control period, by more than a centimetre", |v| v.control().map(|c| c.self_contact_steps);

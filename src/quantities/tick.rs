@@ -117,12 +117,12 @@ pub const CONTROL: &[Quantity] = quantities! {
     "base_yaw_deg", DEGREES, "heading of the base at the beginning of the step", |v| v.robot_tick().map(|r| r.configuration.base.yaw.to_degrees());
     "base_clearance_m", METRES, "least distance of the base to an obstacle at the beginning of a control period of the step; missing without obstacles", |v| v.robot_tick().map(|r| r.base_clearance);
     "tracked", Text, "the option that the robot takes the human to be on; missing while it leads", |v| v.preparation().and_then(|p| p.tracked).map(|o| v.option(o));
-    "pose_candidate", Count, "the configuration that eq. (8) chose, 0 the present one; missing where eq. (8) was not solved", |v| v.preparation().map(|p| p.candidate);
-    "pose_candidates", Count, "|Q|; missing where eq. (8) was not solved", |v| v.preparation().map(|p| p.candidates);
-    "pose_constrained_problems", Count, "problems of eq. (8) solved with limits; missing where eq. (8) was not solved", |v| v.preparation().map(|p| p.constrained);
+    "pose_candidate", Count, "the configuration that eq. (8) chose in the last control period of the step, 0 the present one; missing where eq. (8) was not solved", |v| v.preparation().map(|p| p.candidate);
+    "pose_candidates", Count, "|Q| of that control period; missing where eq. (8) was not solved", |v| v.preparation().map(|p| p.candidates);
+    "pose_constrained_problems", Count, "problems of eq. (8) solved with limits in that control period; missing where eq. (8) was not solved", |v| v.preparation().map(|p| p.constrained);
     "mpc_outcome", Text, "how eq. (7) was solved: unconstrained, constrained, or fallback with the reason", |v| v.robot_tick().map(|r| solved(&r.outcome));
     "mpc_active_limits", Count, "limits of joints, wheels and obstacles active in its solution", |v| v.active();
-    "least_singular_value", PLAIN, "least singular value of B(q*), m or rad for a unit input", |v| v.robot_tick().map(RobotTick::least_singular_value);
+    "least_singular_value", PLAIN, "least singular value of B(q*) in the last control period of the step, m or rad for a unit input", |v| v.robot_tick().map(RobotTick::least_singular_value);
     "position_error_m", METRES, "distance between grasp and reference at the end of the step", |v| v.robot_tick().map(|r| r.position_error);
     "orientation_error_deg", DEGREES, "angle between grasp and reference at the end of the step", |v| v.robot_tick().map(|r| r.orientation_error.to_degrees());
     "tracking_cost", PLAIN, "||x - s||_Q^2 at the end of a control period, the mean over those of the step", |v| v.robot_tick().map(|r| r.tracking_cost);

@@ -22,7 +22,8 @@ const TURN_STEP_M: f64 = 0.1;
 
 /// The distance between the points of a way that are looked at, m.
 const LOOK_M: f64 = 0.02;
-/// How many other targets are tried at most, times obstacles, to name one with room: each takes a search of options.
+/// How many other targets are tried at most, times obstacles, back along a path and again beside it, to name
+/// one with room: each takes a search of options.
 const MAX_TRIED: usize = 1000;
 
 impl<'a> InTandem<'a> {
@@ -122,8 +123,9 @@ impl<'a> InTandem<'a> {
         found.unwrap_or((path, 0.0))
     }
 
-    /// Refuses a world in which the human has no room beyond the end of an option, and names a near target with
-    /// room: back on that option's path, or else beside. `risk_weight` (m) makes the cheapest options there.
+    /// Refuses a world in which the human has no room beyond the end of an option, and names a target near by
+    /// with room: one back on that option's path, or else one beside it. `risk_weight` (m) makes the cheapest
+    /// options there.
     ///
     /// # Errors
     /// [`ErrorKind::World`].
@@ -155,8 +157,8 @@ impl<'a> InTandem<'a> {
         })
     }
 
-    /// Whether the human has room beyond the end of every option; if not, the name of an option, its path, and the
-    /// room.
+    /// Whether the human has room beyond the end of every option; if not, the name of an option, its path, and
+    /// the room.
     fn targets_have_room(&self, world: &World) -> Result<(), (String, Path, NoRoom)> {
         let options = self.free_space().options;
         options.options().iter().enumerate().try_for_each(|(o, option)| {
@@ -219,9 +221,9 @@ impl NoRoom {
     }
 
     /// The room that is missing at the end of an option, and which target to take instead.
-    fn at_target(&self, world: &World, option: &str, nearest: Option<Point>) -> Error {
+    fn at_target(&self, world: &World, option: &str, place: Option<Point>) -> Error {
         let Self { x, y, distance, obstacle, needed, length, to_turn: _ } = self;
-        let (missing, instead) = (needed - distance, instead("a target", nearest));
+        let (missing, instead) = (needed - distance, instead("a target", place));
         refused(
             world,
             format_args!(
@@ -232,8 +234,8 @@ impl NoRoom {
 }
 
 /// The end of a refusal: where there is room.
-fn instead(end: &str, nearest: Option<Point>) -> String {
-    nearest.map_or(String::new(), |p| format!("; {end} with room is ({:.2}, {:.2})", p.x, p.y))
+fn instead(end: &str, place: Option<Point>) -> String {
+    place.map_or(String::new(), |p| format!("; {end} with room is ({:.2}, {:.2})", p.x, p.y))
 }
 
 fn refused(world: &World, sentence: std::fmt::Arguments) -> Error {

@@ -80,6 +80,9 @@ class Recording:
             given = {option["name"]: option.get("probability") for option in step["/options"]["options"]}
             for reference in said["references"] if tracked else []:
                 add("weight of eq. (8) - P_o", 0, abs(reference["weight"] - given[reference["name"]]))
+            if candidates:
+                named = configuration(candidates[step["/control"]["pose_candidate"]]["q"])
+                add("q* - the candidate named", 0, np.abs(named - target).max())
             if not self.has_bodies and k + 1 in self.steps:
                 followed = [r["name"] for r in said["references"]].index(tracked) if tracked else 0
                 self.compare_inputs(q_c, target, references[followed][0], present(self.steps[k + 1]))

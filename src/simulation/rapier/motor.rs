@@ -47,7 +47,7 @@ pub(super) struct Motor {
 
 impl Motor {
     /// The motor of `joint`, which is the robot's arm joint `driver`, or the gear from it to one that mimics
-    /// it. A gear is at rest where that arm joint is at `start`.
+    /// it. It is at rest where that arm joint is at `start`.
     pub fn new(
         handle: MultibodyJointHandle,
         joint: &Joint,
@@ -70,7 +70,7 @@ impl Motor {
             stiffness,
             damping: stiffness / STIFFNESS_PER_DAMPING,
             limits: [lower.max(-1e9), upper.min(1e9)],
-            rest: if is_own { 0.0 } else { joint.coupling.ratio * start + joint.coupling.offset },
+            rest: joint.coupling.ratio * start + joint.coupling.offset,
         }
     }
 

@@ -207,6 +207,33 @@ fn frames_and_figures_are_those_of_the_episode() {
     }
 }
 
+/// Where a step has several control periods, the tick and the recording tell of the last one, and a change of
+/// configuration in any of them counts.
+#[test]
+fn a_preparation_is_that_of_the_last_control_period_of_its_step() {
+    let mut scenario = example(Plant::Kinematic { setup: carrier() });
+    scenario.settings.control_period = Some(0.05);
+    let (mut last, mut changes) = (Vec::new(), 0);
+    let (_, written) = encoded(scenario, |episode| {
+        if let Some(control) = &episode.summary().control {
+            last.push(episode.tick().robot.and_then(|robot| robot.preparation));
+            changes = control.pose_changes;
+        }
+    });
+    let messages: Vec<_> = written.iter().filter(|m| m.channel == Channel::Preparation).collect();
+    let last = &last[last.len() - messages.len()..];
+    for (message, prepared) in messages.iter().zip(last) {
+        let value = decoded(message);
+        let chosen = prepared.map(|p| &value["candidates"][p.candidate]["q"]);
+        assert!(chosen.is_none_or(|chosen| *chosen == value["target"]), "{value}");
+    }
+    let changed_last = last.iter().flatten().filter(|p| p.candidate != 0).count() as u64;
+    assert!(
+        changed_last > 0 && changes > changed_last,
+        "{changes} steps, {changed_last} in their last period"
+    );
+}
+
 /// The validators of the schemas of JSON channels, by topic; a schema must use only what Foxglove reads.
 #[derive(Default)]
 struct Schemas(BTreeMap<String, (Value, Validator)>);
