@@ -32,10 +32,17 @@ pub fn open(path: &Path) -> Result<File, io::Error> {
 /// # Errors
 /// The system's, also if the file is longer than its kind may be, not a regular file, or not UTF-8.
 pub fn read(kind: &FileBounds, path: &Path) -> Result<String, Error> {
-    let text =
-        |bytes| String::from_utf8(bytes).map_err(|error| io::Error::new(ErrorKind::InvalidData, error));
-    let read = read_bytes(kind, path).and_then(text);
-    read.map_err(|error| unreadable(path.display(), hinted(path, error)))
+    let bytes = read_file(kind, path)?;
+    let text = String::from_utf8(bytes).map_err(|error| io::Error::new(ErrorKind::InvalidData, error));
+    text.map_err(|error| unreadable(path.display(), error))
+}
+
+/// Reads a file of a kind, in whatever encoding.
+///
+/// # Errors
+/// As [`read`], but for the encoding.
+pub fn read_file(kind: &FileBounds, path: &Path) -> Result<Vec<u8>, Error> {
+    read_bytes(kind, path).map_err(|error| unreadable(path.display(), hinted(path, error)))
 }
 
 /// The error of a file that the system cannot read.

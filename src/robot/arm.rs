@@ -1,7 +1,9 @@
 //! The arm from the base to the grasp: its joints, its kinematic chain, and the coupling of every joint.
 
+use super::arm_limits::{ArmLimits, GivenRates, checked_limits};
 use super::link::{Coupling, Joint, JointKind, Limits, Link};
 use super::urdf::Urdf;
+use super::warning::RobotWarning;
 use super::{ArmJoint, ChainLink, MAX_JOINTS, MAX_LISTED, Motion};
 use crate::error::{Error, Place};
 use crate::geometry::Pose;
@@ -22,14 +24,17 @@ pub(super) struct Arm {
     pub joints: Vec<ArmJoint>,
     pub chain: Vec<ChainLink>,
     pub last_from_grasp: Pose,
+    pub warnings: Vec<RobotWarning>,
 }
 
-/// The two ends of the arm: indices of links, and the place in the robot file that names the grasp.
+/// The two ends of the arm: indices of links, and the place in the robot file that names the grasp; and the
+/// rates that it gives to joints without any.
 pub(super) struct Ends {
     pub base: usize,
     pub grasp: usize,
     pub drive_from_base: Pose,
     pub place: Place,
+    pub rates: GivenRates,
 }
 
 impl Arm {
@@ -42,7 +47,11 @@ impl Arm {
     ) -> Result<Self, Error> {
         let fault = |why: String| Error::at(ends.place.clone(), why);
         let path = path(links, ends).map_err(fault)?;
-        let moving = movable(urdf, links, &path)?;
+        let mut limits = ArmLimits::new(urdf, ends.rates);
+        let moving: Vec<usize> = movable(urdf, links, &path)?
+            .into_iter()
+            .filter(|&i| !joint(links, i).is_some_and(|joint| limits.is_locked(joint)))
+            .collect();
         let driven: Vec<usize> = moving
             .iter()
             .copied()
@@ -64,7 +73,7 @@ impl Arm {
         }
         let mut joints = Vec::with_capacity(driven.len());
         for joint in driven.iter().filter_map(|&i| joint(links, i)) {
-            let Limits { lower, upper, rate, effort } = checked_limits(urdf, joint, true)?;
+            let Limits { lower, upper, rate, effort } = limits.of_moving(joint)?;
             let (name, motion) = (joint.name.clone(), motion(joint.kind));
             joints.push(ArmJoint { name, motion, lower, upper, rate_limit: rate, effort_limit: effort });
         }
@@ -74,13 +83,13 @@ impl Arm {
             let Coupling { joint: follows, ratio, offset } = joint.coupling;
             let Some(follows) = follows else {
                 if joint.mimic.is_some() && moves(joint.kind) {
-                    stands_within_limits(urdf, joint)?;
+                    limits.check_standing(joint)?;
                 }
                 before *= joint.parent_from_link(offset);
                 continue;
             };
             if joint.mimic.is_some() {
-                tighten(urdf, joint, &mut joints[follows])?;
+                limits.tighten(joint, &mut joints[follows])?;
             }
             let joint_from_axis = frame_about(&joint.axis);
             chain.push(ChainLink {
@@ -98,7 +107,7 @@ impl Arm {
                 "{count} joints move between it and `{base}`, mimicking joints included, more than {most}"
             )));
         }
-        Ok(Self { joints, chain, last_from_grasp: before })
+        Ok(Self { joints, chain, last_from_grasp: before, warnings: limits.warnings() })
     }
 }
 
@@ -114,7 +123,7 @@ fn joint(links: &[Link], i: usize) -> Option<&Joint> {
     links.get(i).and_then(|l| l.joint.as_ref())
 }
 
-fn joint_place(urdf: Urdf, joint: &Joint) -> Place {
+pub(super) fn joint_place(urdf: Urdf, joint: &Joint) -> Place {
     urdf.place(format!("joint `{}`", joint.name))
 }
 
@@ -200,7 +209,7 @@ fn held_position(urdf: Urdf, links: &[Link], wheels: &[usize], hold: &Hold) -> R
     let (Some(value), None) = (given, other) else {
         return Err(other_unit(hold.place.clone(), &joint.name, joint.kind.name(), key));
     };
-    let limits = checked_limits(urdf, joint, false)?;
+    let limits = checked_limits(urdf, joint)?;
     let position = value * scale;
     if !position.is_finite() || position < limits.lower || position > limits.upper {
         let expected = format!("from {} to {}", limits.lower / scale, limits.upper / scale);
@@ -212,30 +221,6 @@ fn held_position(urdf: Urdf, links: &[Link], wheels: &[usize], hold: &Hold) -> R
 /// The error of a position that is given under the key for the other kind of joint.
 pub(super) fn other_unit(place: Place, joint: &str, kind: &str, key: &str) -> Error {
     Error::at(place, format_args!("`{joint}` is {kind}; give its position as {key}"))
-}
-
-/// The error of a lower limit that is not below the upper one.
-pub(super) fn bad_limits(place: Place, lower: f64, upper: f64) -> Error {
-    Error::at(place, format_args!("invalid limits: lower {lower} must be below upper {upper}"))
-}
-
-/// Limits of a joint between the base and the grasp, where limits are required.
-fn checked_limits(urdf: Urdf, joint: &Joint, needs_rate: bool) -> Result<Limits, Error> {
-    let limits = joint.limits;
-    let place = joint_place(urdf, joint);
-    if [limits.lower, limits.upper, limits.rate] == [0.0; 3] {
-        let needed =
-            format!("<limit> with lower, upper and velocity; a {} joint needs it", joint.kind.name());
-        return Err(Error::missing(place, needed));
-    }
-    if limits.lower >= limits.upper {
-        return Err(bad_limits(place, limits.lower, limits.upper));
-    }
-    if needs_rate && !(limits.rate > 0.0 && limits.rate.is_finite()) {
-        let expected = "greater than 0 and finite for a moving joint";
-        return Err(Error::number(place, "limit velocity", limits.rate, expected));
-    }
-    Ok(limits)
 }
 
 /// Sets the coupling of every joint. A joint may mimic one that is neither driven nor held, such as one
@@ -285,29 +270,4 @@ fn followed(urdf: Urdf, links: &[Link], i: usize) -> Result<(usize, f64, f64), E
         }
     }
     Ok((at, ratio, offset))
-}
-
-/// Checks the position of a joint that mimics a fixed one.
-fn stands_within_limits(urdf: Urdf, joint: &Joint) -> Result<(), Error> {
-    let (limits, position) = (checked_limits(urdf, joint, false)?, joint.coupling.offset);
-    if (limits.lower..=limits.upper).contains(&position) {
-        return Ok(());
-    }
-    let expected = format!("from {} to {}", limits.lower, limits.upper);
-    Err(Error::number(joint_place(urdf, joint), "position that it mimics (rad or m)", position, &expected))
-}
-
-/// Narrows an arm joint's limits so that a joint that mimics it stays within its own.
-fn tighten(urdf: Urdf, follower: &Joint, arm_joint: &mut ArmJoint) -> Result<(), Error> {
-    let limits = checked_limits(urdf, follower, true)?;
-    let Coupling { ratio, offset, .. } = follower.coupling;
-    let ends = [limits.lower, limits.upper].map(|limit| (limit - offset) / ratio);
-    arm_joint.lower = arm_joint.lower.max(ends[0].min(ends[1]));
-    arm_joint.upper = arm_joint.upper.min(ends[0].max(ends[1]));
-    arm_joint.rate_limit = arm_joint.rate_limit.min(limits.rate / ratio.abs());
-    if arm_joint.lower >= arm_joint.upper {
-        let item = format!("joint `{}`, which `{}` mimics,", arm_joint.name, follower.name);
-        return Err(bad_limits(urdf.place(item), arm_joint.lower, arm_joint.upper));
-    }
-    Ok(())
 }

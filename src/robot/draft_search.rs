@@ -8,6 +8,7 @@ use super::{MAX_JOINTS, hull};
 use crate::error::{Error, Place};
 use crate::geometry::Pose;
 use nalgebra::{Point3, Rotation3, Vector3};
+use std::collections::BTreeSet;
 
 /// The parts found in a URDF.
 #[derive(Clone, Debug)]
@@ -121,7 +122,9 @@ fn suspension<'l>(links: &'l [Link], base: usize, wheels: &[usize]) -> Vec<&'l J
     let above = |wheel: usize| std::iter::successors(links[wheel].parent, |&at| links[at].parent);
     let between = |wheel| above(wheel).take_while(|&at| at != base).filter_map(|at| links[at].joint.as_ref());
     let moving = wheels.iter().copied().flat_map(between).filter(|joint| joint.kind != JointKind::Fixed);
-    moving.filter(|joint| joint.mimic.is_none()).collect()
+    // wheels may share one, such as a rocker
+    let mut seen = BTreeSet::new();
+    moving.filter(|joint| joint.mimic.is_none() && seen.insert(&joint.name)).collect()
 }
 
 /// The entry under `[hold]` that keeps a joint at 0, or as near to it as its limits allow.

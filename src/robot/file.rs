@@ -29,6 +29,8 @@ pub(super) struct RobotFile {
     pub wheel_radius_m: Option<Spanned<f64>>,
     pub wheel_separation_m: Option<Spanned<f64>>,
     pub wheel_rate_limit_rad_s: Option<Spanned<f64>>,
+    pub arm_rate_limit_rad_s: Option<Spanned<f64>>,
+    pub arm_rate_limit_m_s: Option<Spanned<f64>>,
     pub wheel_separation_multiplier: Option<Spanned<f64>>,
     pub base_speed_limit_m_s: Option<Spanned<f64>>,
     pub base_turn_limit_rad_s: Option<Spanned<f64>>,

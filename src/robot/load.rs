@@ -1,19 +1,21 @@
 //! Loading of a robot from its robot file and the URDF that it names.
 
 use super::arm::{self, Arm, Ends, Hold};
+use super::arm_limits::GivenRates;
 use super::file::{RobotFile, number};
 use super::link::{Coupling, Joint, JointKind, Limits, Link};
 use super::mesh::MeshFolders;
 use super::texts::{Expand, KIND, RobotTexts, xacro};
-use super::urdf::{Hulls, Links, Urdf, is_xacro};
+use super::urdf::{Hulls, Links, Urdf};
+use super::urdf_xml::is_xacro;
 use super::warning::RobotWarning;
 use super::wheels::Wheels;
-use super::{MAX_LISTED, Posture, Robot, SelfContacts, collision, driven, footprint, posture};
+use super::{MAX_LISTED, Posture, Robot, SelfContacts, collision, driven, footprint, plausible, posture};
 use crate::error::{Error, Place};
 use crate::geometry::{Footprint, Point, Pose};
 use crate::located::Source;
 use nalgebra::{Rotation3, Vector3};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use toml::Spanned;
 
@@ -70,8 +72,7 @@ impl Robot {
 
 /// The links of a URDF from which a robot file is drafted.
 pub(super) fn links_to_draft(texts: &RobotTexts) -> Result<Vec<Link>, Error> {
-    let urdf = Urdf { file: &texts.urdf_file, folders: texts.folders(), hulls: texts.hulls() };
-    let Links { links, faults, .. } = urdf.links(&texts.urdf)?;
+    let Links { links, faults, .. } = texts.as_urdf(texts.folders()).links()?;
     faults.into_iter().next().map_or(Ok(links), Err)
 }
 
@@ -121,9 +122,9 @@ fn assemble(texts: &RobotTexts, folders: Option<&MeshFolders>) -> Result<(Robot,
     let parsed = source.parse::<RobotFile>(KIND).map_err(|fault| vec![fault])?;
     let entries = &parsed;
     let hulls = texts.hulls();
-    let (urdf, text) = (Urdf { file: &texts.urdf_file, folders, hulls }, texts.urdf.as_str());
-    urdf.check_extent(text).map_err(|fault| vec![fault])?;
-    if is_xacro(text) {
+    let urdf = texts.as_urdf(folders);
+    urdf.check().map_err(|fault| vec![fault])?;
+    if is_xacro(&texts.urdf) {
         return Err(vec![xacro(Path::new(urdf.file))]);
     }
     let mut faults = Faults::default();
@@ -151,14 +152,18 @@ fn assemble(texts: &RobotTexts, folders: Option<&MeshFolders>) -> Result<(Robot,
     let track = faults.keep(checked(&entries.wheel_separation_m, "wheel_separation_m", 10.0, "metres"));
     let rate =
         faults.keep(checked(&entries.wheel_rate_limit_rad_s, "wheel_rate_limit_rad_s", 1000.0, "rad/s"));
+    let turning =
+        faults.keep(checked(&entries.arm_rate_limit_rad_s, "arm_rate_limit_rad_s", 1000.0, "rad/s"));
+    let sliding = faults.keep(checked(&entries.arm_rate_limit_m_s, "arm_rate_limit_m_s", 1000.0, "m/s"));
     let tool = faults.keep(tool(source, entries));
-    let Links { mut links, faults: of_links, mut warnings } = match urdf.links(text) {
+    let Links { mut links, faults: of_links, joint_faults, mut warnings, lines } = match urdf.links() {
         Ok(read) => read,
         Err(fault) => {
             faults.0.push(fault);
             return Err(faults.0);
         }
     };
+    let urdf = Urdf { lines: Some(&lines), ..urdf };
     let is_sound = of_links.is_empty();
     faults.0.extend(of_links);
     let base = faults.keep(link(source, &links, "base_link", &entries.base_link));
@@ -169,6 +174,9 @@ fn assemble(texts: &RobotTexts, folders: Option<&MeshFolders>) -> Result<(Robot,
         return Err(faults.0);
     };
     let wheel_links = named.links();
+    let (used, unused) = split_by_use(&links, joint_faults, [base, grasp], &wheel_links);
+    faults.0.extend(used);
+    warnings.extend(unused);
     let holds: Vec<Hold> = entries
         .hold
         .iter()
@@ -203,13 +211,15 @@ fn assemble(texts: &RobotTexts, folders: Option<&MeshFolders>) -> Result<(Robot,
         }
     };
     let place = source.place(&entries.grasp_frame, format!("link `{}`", entries.grasp_frame.get_ref()));
-    let ends = Ends { base, grasp, drive_from_base, place };
+    let rates = GivenRates { turning: turning.flatten(), sliding: sliding.flatten() };
+    let ends = Ends { base, grasp, drive_from_base, place, rates };
     let arm = faults.keep(Arm::new(urdf, &mut links, &ends, &held));
     let (Some(measured), Some(arm), Some(grasp_height)) = (measured, arm, grasp_height) else {
         return Err(faults.0);
     };
-    let Arm { joints, chain, last_from_grasp } = arm;
+    let Arm { joints, chain, last_from_grasp, warnings: of_arm } = arm;
     warnings.extend(measured.warnings);
+    warnings.extend(of_arm);
     let center = Point::origin();
     let mut robot = Robot {
         name: entries.name.clone(),
@@ -233,6 +243,7 @@ fn assemble(texts: &RobotTexts, folders: Option<&MeshFolders>) -> Result<(Robot,
     let (of_inertias, about_inertias) = collision::check_inertias(urdf, &robot);
     faults.0.extend(of_inertias);
     warnings.extend(about_inertias);
+    warnings.extend(plausible::warnings(&robot));
     if let Some(asked) = asked {
         let has_shapes = collision::has_shapes(&robot);
         if hulls.is_some() {
@@ -246,6 +257,27 @@ fn assemble(texts: &RobotTexts, folders: Option<&MeshFolders>) -> Result<(Robot,
     }
     robot.self_contacts = SelfContacts::new(&robot);
     Ok((robot, parsed))
+}
+
+/// The faults of joints that the robot uses, on the way from the base to the grasp and to the wheels; and a
+/// warning for each of the others, which refuse nothing.
+fn split_by_use(
+    links: &[Link],
+    faults: BTreeMap<usize, Error>,
+    [base, grasp]: [usize; 2],
+    wheels: &[usize],
+) -> (Vec<Error>, Vec<RobotWarning>) {
+    let up = |end: usize| std::iter::successors(Some(end), |&at| links[at].parent);
+    let way = |end: usize| up(end).take_while(|&at| at != base);
+    let used: BTreeSet<usize> = wheels.iter().chain([&grasp]).flat_map(|&end| way(end)).collect();
+    let (mut of_used, mut of_others) = (Vec::new(), Vec::new());
+    for (link, fault) in faults {
+        match used.contains(&link) {
+            true => of_used.push(fault),
+            false => of_others.push(RobotWarning::new(format!("{fault}; nothing uses it"))),
+        }
+    }
+    (of_used, of_others)
 }
 
 /// `tool_from_grasp`, if the robot file gives any of it.

@@ -5,6 +5,7 @@
 //! where the object is held, x ahead.
 
 mod arm;
+mod arm_limits;
 mod collision;
 mod draft;
 mod draft_drive;
@@ -22,13 +23,23 @@ mod link;
 mod load;
 mod mesh;
 mod mesh_bounds;
+mod plausible;
 mod posture;
 mod postures;
 mod reach;
 mod self_contact;
+mod solid;
 mod texts;
 mod tree;
 mod urdf;
+mod urdf_check;
+mod urdf_grammar;
+mod urdf_lines;
+mod urdf_mend;
+mod urdf_notes;
+mod urdf_shapes;
+mod urdf_text;
+mod urdf_xml;
 mod warning;
 mod wheel_search;
 mod wheels;

@@ -2,7 +2,9 @@
 
 use super::file::RobotFile;
 use super::mesh::MeshFolders;
-use super::urdf::{Hulls, Urdf, is_xacro};
+use super::urdf::{Hulls, Urdf};
+use super::urdf_text::{check_kind, decoded};
+use super::urdf_xml::{is_xacro, with_document};
 use super::warning::RobotWarning;
 use crate::bounds;
 use crate::error::{Error, Place};
@@ -74,10 +76,11 @@ impl RobotTexts {
             "xacro" => return Err(xacro(path)),
             _ => {
                 let hint = hint_of_file(path);
+                let what = something_else(path).map_or(String::new(), |what| format!("{what}; "));
                 return Err(Error::at(
                     Place::file(file),
                     format_args!(
-                        "expected a robot file (.toml), or a URDF (.urdf or .xml) with a robot file next to it{hint}"
+                        "{what}expected a robot file (.toml), or a URDF (.urdf or .xml) with a robot file next to it{hint}"
                     ),
                 ));
             }
@@ -87,6 +90,9 @@ impl RobotTexts {
             && urdf.exists()
             && !robot_file.exists()
         {
+            if let Some(what) = something_else(urdf) {
+                return Err(Error::at(Place::file(file), what));
+            }
             return Err(Error::at(
                 Place::file(&file),
                 format_args!(
@@ -137,6 +143,11 @@ impl RobotTexts {
         self.meshes.0.as_ref()
     }
 
+    /// The URDF, with its meshes in these folders.
+    pub(super) fn as_urdf<'a>(&'a self, folders: Option<&'a MeshFolders>) -> Urdf<'a> {
+        Urdf { file: &self.urdf_file, text: &self.urdf, folders, hulls: self.hulls(), lines: None }
+    }
+
     /// The hulls of the collision meshes, if the texts have them.
     pub(super) fn hulls(&self) -> Option<&Hulls> {
         self.hulls.as_ref().map(|hulls| &hulls.0)
@@ -154,8 +165,7 @@ impl RobotTexts {
 
     /// The same with the hulls of the URDF's collision meshes, and warnings about those that have none.
     pub(super) fn with_hulls(mut self) -> (Self, Vec<RobotWarning>) {
-        let urdf = Urdf { file: &self.urdf_file, folders: self.folders(), hulls: None };
-        let (hulls, warnings) = urdf.collision_hulls(&self.urdf);
+        let (hulls, warnings) = Urdf { hulls: None, ..self.as_urdf(self.folders()) }.collision_hulls();
         self.hulls = Some(SharedHulls(hulls));
         (self, warnings)
     }
@@ -167,10 +177,22 @@ fn read_urdf(path: &Path, expand: Option<&Expand>) -> Result<String, Error> {
     if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("xacro")) {
         return expanded();
     }
-    let text = located::read(&bounds::URDF, path)?;
     let file = path.display().to_string();
-    let is_bounded = Urdf { file: &file, folders: None, hulls: None }.check_extent(&text).is_ok();
+    let bytes = located::read_file(&bounds::URDF, path)?;
+    let text = text_of(&bytes).map_err(|what| Error::at(Place::file(&file), what))?;
+    let is_bounded = with_document(&file, &text, |_| ()).is_ok();
     if is_bounded && is_xacro(&text) { expanded() } else { Ok(text) }
+}
+
+/// The text of a file that should be a URDF; or what it is instead, as a sentence without the file.
+fn text_of(bytes: &[u8]) -> Result<String, String> {
+    let text = decoded(bytes)?;
+    check_kind(&text).map(|()| text)
+}
+
+/// What a file is instead of a URDF, if it can be read.
+fn something_else(path: &Path) -> Option<String> {
+    located::read_bytes(&bounds::URDF, path).ok().and_then(|bytes| text_of(&bytes).err())
 }
 
 /// The error that a URDF is a xacro, with the command that expands it.

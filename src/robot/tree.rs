@@ -1,7 +1,8 @@
 //! The order of links in which parents come before children.
 
 use super::MAX_LISTED;
-use crate::error::{Error, Place};
+use super::urdf::Urdf;
+use crate::error::Error;
 use std::collections::BTreeMap;
 
 /// A joint with the two links that it connects.
@@ -23,15 +24,15 @@ pub(super) struct Spot {
 
 /// The links of the tree from its root, branch by branch in the order of their joints; or the reason why they
 /// are not a tree.
-pub(super) fn order(file: &str, names: Vec<&str>, joints: &[Edge]) -> Result<Vec<Spot>, Error> {
-    let fault = |link: &str, why: String| Error::at(Place::item(file, format!("link `{link}`")), why);
+pub(super) fn order(urdf: Urdf, names: Vec<&str>, joints: &[Edge]) -> Result<Vec<Spot>, Error> {
+    let fault = |link: &str, why: String| Error::at(urdf.place(format!("link `{link}`")), why);
     let index: BTreeMap<&str, usize> = names.iter().enumerate().map(|(i, &n)| (n, i)).collect();
     let mut carrier: Vec<Option<usize>> = vec![None; names.len()];
     let mut children: Vec<Vec<(usize, usize)>> = vec![Vec::new(); names.len()];
     for (j, edge) in joints.iter().enumerate() {
         let find = |name: &str| {
             index.get(name).copied().ok_or_else(|| {
-                let place = Place::item(file, format!("joint `{}`", edge.joint));
+                let place = urdf.place(format!("joint `{}`", edge.joint));
                 Error::unknown(place, "link", name, names.iter().copied(), MAX_LISTED)
             })
         };

@@ -62,9 +62,14 @@ impl fmt::Display for RobotWarning {
 
 /// The first few names of a list, each quoted.
 pub(super) fn some_of(names: &[&str]) -> String {
-    const MAX_NAMES: usize = 6;
-    let first = names.iter().take(MAX_NAMES).map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ");
-    match names.len().saturating_sub(MAX_NAMES) {
+    first_few(&names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>())
+}
+
+/// The first few items of a list.
+pub(super) fn first_few(items: &[String]) -> String {
+    const MAX_ITEMS: usize = 6;
+    let first = items[..items.len().min(MAX_ITEMS)].join(", ");
+    match items.len().saturating_sub(MAX_ITEMS) {
         0 => first,
         more => format!("{first} and {more} more"),
     }

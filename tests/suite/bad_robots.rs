@@ -76,21 +76,28 @@ fn files_that_are_not_what_they_should_be() {
     );
     toml("base_width_m = 0.5", "base_width_m = \"wide\"", &["line 7", "string"]);
     toml("base_width_m = 0.5\n", "", &["base_width_m"]);
-    urdf("</robot>", "", &["not a valid URDF: "]);
-    urdf("velocity=\"1.256\"", "", &["not a valid URDF: ", "velocity"]);
-    let page = "<html><body>404</body></html>".to_owned();
-    Files { urdf: page, ..Files::new() }.says(&["carrier.urdf: robot: missing links"]);
-    let deep = "<a>".repeat(100_000) + &"</a>".repeat(100_000);
+    urdf("velocity=\"1.256\"", "velocity=1.256", &["not a valid URDF: "]);
+    let empty = "<robot name=\"r\"/>".to_owned();
+    Files { urdf: empty, ..Files::new() }.says(&["carrier.urdf: robot: missing links"]);
+    let within = |text: String| format!("<robot>{text}</robot>");
+    let deep = within("<a>".repeat(100_000) + &"</a>".repeat(100_000));
     Files { urdf: deep, ..Files::new() }.says(&["depth of its elements = 65", "at most 64"]);
     // quotes that hide the nesting from those who do not parse
-    let quoted = "<a b=\"/>\">".repeat(30_000) + &"</a>".repeat(30_000);
+    let quoted = within("<a b=\"/>\">".repeat(30_000) + &"</a>".repeat(30_000));
     Files { urdf: quoted, ..Files::new() }.says(&["depth of its elements = 65", "at most 64"]);
     let wide = format!("<robot name=\"r\">{}</robot>", "<link/>".repeat(50_000));
     Files { urdf: wide, ..Files::new() }.says(&["number of its elements = 50001", "at most 50000"]);
     // the parser copies all namespaces into every element
     let spaces: String = (0..20_000).map(|i| format!(" xmlns:n{i}=\"n{i}\"")).collect();
     let spaces = format!("<robot name=\"r\"{spaces}>{}</robot>", "<link/>".repeat(20_000));
-    Files { urdf: spaces, ..Files::new() }.says(&["length of its namespaces", "at most 4096"]);
+    Files { urdf: spaces, ..Files::new() }.says(&["number of a tag's attributes = 20001", "at most 64"]);
+    let element: String = (0..50).map(|i| format!(" xmlns:n{i}=\"n{i}\"")).collect();
+    let spaces = within(format!("<a{element}/>").repeat(21));
+    Files { urdf: spaces, ..Files::new() }.says(&["number of its namespaces = 1050", "at most 1000"]);
+    // every shape is known by its link's name
+    let named =
+        within(format!("<link name=\"{}\">{}</link>", "n".repeat(1_000_000), "<visual/>".repeat(20_000)));
+    Files { urdf: named, ..Files::new() }.says(&[":1: link: link name has 1000000 bytes", "at most 4096"]);
 }
 
 #[test]

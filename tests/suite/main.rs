@@ -38,6 +38,7 @@ mod periods;
 mod physical_carrying;
 mod physics;
 mod pictures;
+mod published_urdfs;
 mod quantities;
 mod quantity_values;
 mod recording;

@@ -108,8 +108,17 @@ fn a_xacro_that_prints_without_end_fails_or_is_missing_is_refused() {
     let check = ["robot", "check", TOML, "--xacro"];
     let said = WithXacro::new("exec cat /dev/zero").refused(&check);
     assert!(said.contains("prints more than 16777216 bytes"), "{said}");
-    let said = WithXacro::new("echo one >&2; echo no such macro >&2; exit 3").refused(&check);
-    assert!(said.contains("carrier.urdf: `xacro` cannot expand it: no such macro"), "{said}");
+    // the reason comes before the files that lead there
+    let missing = "echo 'warning: old' >&2; echo 'error: package not found: arm' >&2; echo 'when processing file: a.xacro' >&2; exit 2";
+    let said = WithXacro::new(missing).refused(&check);
+    let expected = "cannot expand it: package not found: arm; when processing file: a.xacro";
+    assert!(said.contains(expected), "{said}");
+    let python = "printf 'Traceback (most recent call last):\\n  File \"x\", line 1\\nModuleNotFoundError: no rospkg\\n' >&2; exit 1";
+    let said = WithXacro::new(python).refused(&check);
+    assert!(
+        said.contains("carrier.urdf: `xacro` cannot expand it: ModuleNotFoundError: no rospkg"),
+        "{said}"
+    );
     let said = WithXacro::new("exec head -c 100 /dev/urandom").refused(&check);
     assert!(said.contains("carrier.urdf"), "{said}");
     let folder = WithXacro::new("cat expanded");

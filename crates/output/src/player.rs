@@ -158,16 +158,19 @@ impl<'a> Meshes<'a> {
     }
 }
 
-/// The shapes of a link to draw: the visual ones; the collision shapes where those are meshes that cannot be
-/// found.
+/// The shapes of a link to draw: the visual ones, or else those of the collision shapes that can be drawn. A
+/// collision mesh that cannot be is left out: the robot has a warning about it.
 ///
 /// # Errors
-/// A mesh cannot be read.
+/// A mesh of a visual shape cannot be read.
 pub fn shapes(link: &Link, meshes: &mut Meshes<'_>) -> Result<Vec<Value>, Error> {
     let can_be_found = meshes.read.is_some();
     let is_drawn = |g: &&Geometry| can_be_found || !matches!(g.shape, Shape::Mesh { .. });
-    let shown = if link.visuals.iter().any(|g| is_drawn(&g)) { &link.visuals } else { &link.collisions };
-    shown.iter().filter(is_drawn).map(|geometry| shape(geometry, meshes)).collect()
+    if link.visuals.iter().any(|g| is_drawn(&g)) {
+        return link.visuals.iter().filter(is_drawn).map(|geometry| shape(geometry, meshes)).collect();
+    }
+    let collisions = link.collisions.iter().filter(is_drawn);
+    Ok(collisions.filter_map(|geometry| shape(geometry, meshes).ok()).collect())
 }
 
 /// A shape of a link.

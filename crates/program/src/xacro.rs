@@ -80,11 +80,32 @@ pub fn expand(file: &Path) -> Result<String, Error> {
     }
     if !status.success() {
         let said = said.recv_timeout(left()).unwrap_or_default();
-        let said = String::from_utf8_lossy(&said);
-        let said = said.trim().lines().last().unwrap_or("no message");
+        let said = reason(&String::from_utf8_lossy(&said));
         return Err(refused(format!("`xacro` cannot expand it: {said}")));
     }
     String::from_utf8(printed).map_err(|_| refused("`xacro` prints no text".to_owned()))
+}
+
+/// The reason that xacro gives, in one line: it comes first, and the files and macros that lead there follow it.
+/// Of a Python error, the last line says which it is.
+fn reason(said: &str) -> String {
+    const MAX_LINES: usize = 4;
+    const MAX_LENGTH: usize = 600;
+    let traceback = said.find("Traceback (most recent call last)").map_or("", |at| &said[at..]);
+    let is_said = |line: &&str| !line.is_empty() && !line.to_lowercase().starts_with("warning");
+    let lines = said.lines().map(str::trim).filter(is_said);
+    let lines: Vec<&str> = match traceback.trim().lines().last() {
+        Some(last) => vec![last],
+        None => lines.take(MAX_LINES).collect(),
+    };
+    let joined = lines.join("; ");
+    let reason: String =
+        joined.trim_start_matches("error: ").chars().filter(|c| !c.is_control()).take(MAX_LENGTH).collect();
+    let hint = match ["ament_index_python", "rospkg"].iter().any(|module| said.contains(module)) {
+        true => "; $(find PACKAGE) in it needs ROS: source its setup first, or write the package's path",
+        false => "",
+    };
+    if reason.is_empty() { "no message".to_owned() } else { reason + hint }
 }
 
 /// The exit code of a shell that does not find a program.
