@@ -113,6 +113,8 @@ impl DriveReader<'_> {
             ("base_speed_limit_m_s", free, of(&entries.base_speed_limit_m_s)),
             ("base_turn_limit_rad_s", free, of(&entries.base_turn_limit_rad_s)),
             ("base_height_m", free, of(&entries.base_height_m)),
+            ("base_size_m", free, entries.base_size_m.as_ref().map(Spanned::span)),
+            ("base_mass_kg", free, of(&entries.base_mass_kg)),
         ];
         let instead = match self.kind {
             Differential => "it has left_wheel and right_wheel",

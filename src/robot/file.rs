@@ -35,6 +35,8 @@ pub(super) struct RobotFile {
     pub base_speed_limit_m_s: Option<Spanned<f64>>,
     pub base_turn_limit_rad_s: Option<Spanned<f64>>,
     pub base_height_m: Option<Spanned<f64>>,
+    pub base_size_m: Option<Spanned<[f64; 3]>>,
+    pub base_mass_kg: Option<Spanned<f64>>,
     pub grasp_xyz_m: Option<Spanned<[f64; 3]>>,
     pub grasp_rpy_deg: Option<Spanned<[f64; 3]>>,
     #[serde(default)]

@@ -10,7 +10,9 @@ use super::urdf::{Hulls, Links, Urdf};
 use super::urdf_xml::is_xacro;
 use super::warning::RobotWarning;
 use super::wheels::Wheels;
-use super::{MAX_LISTED, Posture, Robot, SelfContacts, collision, driven, footprint, plausible, posture};
+use super::{
+    MAX_LISTED, Posture, Robot, SelfContacts, collision, described, driven, footprint, plausible, posture,
+};
 use crate::error::{Error, Place};
 use crate::geometry::{Footprint, Point, Pose};
 use crate::located::Source;
@@ -167,6 +169,10 @@ fn assemble(texts: &RobotTexts, folders: Option<&MeshFolders>) -> Result<(Robot,
     let is_sound = of_links.is_empty();
     faults.0.extend(of_links);
     let base = faults.keep(link(source, &links, "base_link", &entries.base_link));
+    let described = faults.keep_all(described::base(source, entries));
+    if let (Some(base), Some(Some(described))) = (base, &described) {
+        links.push(described.link(&links, base));
+    }
     let grasp = faults.keep(link(source, &links, "grasp_frame", &entries.grasp_frame));
     let named = faults.keep_all(driven::named(source, urdf, &links, entries));
     // what follows from a broken link or a wrong name would say nothing
@@ -300,9 +306,14 @@ fn tool(source: Source, entries: &RobotFile) -> Result<Option<Pose>, Error> {
     Ok(is_given.then(|| Pose::from_parts(xyz.into(), turn)))
 }
 
-/// A frame fixed to the link of the tool, with a unique name.
+/// A frame fixed to the link of the tool.
 fn tool_link(links: &[Link], tool: usize, tool_from_grasp: Pose) -> Link {
-    let mut name = format!("{}_grasp", links[tool].name);
+    fixed_link(links, tool, "grasp", tool_from_grasp)
+}
+
+/// A link without shapes that is fixed to another, with a unique name that ends in `what`.
+pub(super) fn fixed_link(links: &[Link], parent: usize, what: &str, parent_from_link: Pose) -> Link {
+    let mut name = format!("{}_{what}", links[parent].name);
     let is_taken = |name: &str| {
         links
             .iter()
@@ -314,14 +325,14 @@ fn tool_link(links: &[Link], tool: usize, tool_from_grasp: Pose) -> Link {
     let joint = Joint {
         name: format!("{name}_joint"),
         kind: JointKind::Fixed,
-        parent_from_joint: tool_from_grasp,
+        parent_from_joint: parent_from_link,
         axis: Vector3::x_axis(),
         limits: Limits { lower: 0.0, upper: 0.0, rate: 0.0, effort: f64::INFINITY },
         mimic: None,
         coupling: Coupling { joint: None, ratio: 1.0, offset: 0.0 },
     };
     let (visuals, collisions) = (Vec::new(), Vec::new());
-    Link { name, parent: Some(tool), joint: Some(joint), inertial: None, visuals, collisions }
+    Link { name, parent: Some(parent), joint: Some(joint), inertial: None, visuals, collisions }
 }
 
 /// All postures, or the faults of all.

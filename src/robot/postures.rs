@@ -3,8 +3,9 @@
 use super::footprint::across;
 use super::level::FULL;
 use super::link::JointKind;
+use super::reach::Span;
 use super::{JointVector, Motion, Robot, collision, pose_difference};
-use crate::geometry::{Footprint, Pose, Vector, wrap_angle};
+use crate::geometry::{Footprint, Pose, Vector, direction, wrap_angle};
 use nalgebra::{Matrix6, Point3, Rotation3, Vector3};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -25,10 +26,23 @@ pub(super) struct Found {
     pub room: f64,
 }
 
-/// Starts for every place of the grasp and every roll.
+/// Where the grasp is sought.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Places {
+    /// Straight ahead of the middle of the axle.
+    Ahead,
+    /// There, and at any bearing from which the object clears the base; near the base as well.
+    Around,
+}
+
+/// Starts for every place of the grasp and every roll, ahead and around.
 const STARTS: usize = 16;
+const STARTS_AROUND: usize = 6;
 /// Places of the grasp, ahead of the base's edge, m.
 const AHEAD_M: [f64; 6] = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7];
+/// Places around the base: distances from its edge, m, and bearings to the left and right, rad.
+const AROUND_M: [f64; 5] = [0.11, 0.16, 0.25, 0.4, 0.6];
+const BEARINGS_RAD: [f64; 7] = [0.0, 0.4, -0.4, 0.8, -0.8, 1.3, -1.3];
 /// Least distance of the grasp from the base's edge, ahead or to the side, m: the object extends forward from
 /// it.
 const MIN_AHEAD_M: f64 = 0.1;
@@ -67,17 +81,17 @@ const BALL_SPACING_M: f64 = 0.25;
 
 /// The best postures with the grasp at this height, best first; all have the roll of the best. Empty if none
 /// exists. The arm stays above the base's outline.
-pub(super) fn search(robot: &Robot, height: f64, footprint: &Footprint) -> Vec<Found> {
+pub(super) fn search(robot: &Robot, height: f64, footprint: &Footprint, places: Places) -> Vec<Found> {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let mut all: Vec<Found> = Vec::new();
     let is_full = robot.freedom() == FULL;
     let mut poses = Vec::new();
-    let edge = footprint.reach(Vector::x());
-    for ahead in AHEAD_M.map(|d| edge + d) {
+    let starts = if places == Places::Ahead { STARTS } else { STARTS_AROUND };
+    for [ahead, beside] in positions(robot, height, footprint, places) {
         for roll in [0.0, FRAC_PI_2, PI, -FRAC_PI_2] {
             let turn = Rotation3::from_axis_angle(&Vector3::x_axis(), roll);
-            let goal = Pose::from_parts(Vector3::new(ahead, 0.0, height).into(), turn);
-            for _ in 0..STARTS {
+            let goal = Pose::from_parts(Vector3::new(ahead, beside, height).into(), turn);
+            for _ in 0..starts {
                 let start = robot.random_joints(&mut rng);
                 let joints = match is_full {
                     true => solve(robot, &goal, start),
@@ -102,6 +116,21 @@ pub(super) fn search(robot: &Robot, height: f64, footprint: &Footprint) -> Vec<F
         }
     }
     best
+}
+
+/// The places of the grasp that are tried, x and y in the drive's frame, m.
+fn positions(robot: &Robot, height: f64, footprint: &Footprint, places: Places) -> Vec<[f64; 2]> {
+    if places == Places::Ahead {
+        let edge = footprint.reach(Vector::x());
+        return AHEAD_M.map(|d| [edge + d, 0.0]).to_vec();
+    }
+    let span = Span::new(robot);
+    let around = BEARINGS_RAD.into_iter().flat_map(|bearing| {
+        let way = direction(bearing);
+        let edge = footprint.reach(way);
+        AROUND_M.map(|d| [(edge + d) * way.x, (edge + d) * way.y])
+    });
+    around.filter(|&[x, y]| span.has(&Vector3::new(x, y, height))).collect()
 }
 
 /// The largest difference of a joint between two postures, rad or m; full turns do not count.
@@ -264,7 +293,7 @@ fn width_share(robot: &Robot, joints: &JointVector, footprint: &Footprint) -> f6
 
 /// Whether the arm, as thick segments between its joints, comes below the first of them within the base's
 /// outline, or below the floor.
-fn passes_through_base(robot: &Robot, joints: &JointVector, footprint: &Footprint) -> bool {
+pub(super) fn passes_through_base(robot: &Robot, joints: &JointVector, footprint: &Footprint) -> bool {
     let mut points = Vec::new();
     robot.arm_points(&Robot::at_origin(joints), f64::INFINITY, |at, _| points.push(at));
     let Some(shoulder) = points.iter().map(|p| p.xy()).next() else { return false };

@@ -2,6 +2,10 @@
 
 use super::{Configuration, JointVector, Posture, Robot, collision, footprint};
 use crate::geometry::{PlanarPose, Point, Pose};
+use nalgebra::{Rotation3, Vector3};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Step of the search for the ends of the reach, m.
 const STEP_M: f64 = 0.01;
@@ -18,6 +22,97 @@ pub struct Reach {
     pub nearest: f64,
     /// Farthest x.
     pub farthest: f64,
+}
+
+/// Random configurations by which a span is known, and the share by which it may be larger.
+const SAMPLES: usize = 2000;
+const BEYOND: f64 = 1.05;
+/// Heights at which a level grasp is sought, a step apart, m, with so many starts each.
+const HEIGHT_STEP_M: f64 = 0.05;
+const HEIGHTS: u32 = 45;
+const STARTS: usize = 12;
+
+/// The room in which an arm can have its grasp, in any orientation, in the drive's frame.
+pub(super) struct Span {
+    /// Where its first joint that turns is, m.
+    shoulder: Vector3<f64>,
+    /// The farthest from it, m.
+    radius: f64,
+    /// The lowest and the highest, and the farthest ahead, m.
+    lowest: f64,
+    highest: f64,
+    ahead: f64,
+}
+
+impl Span {
+    /// Measured in random configurations, the same for every call.
+    pub fn new(robot: &Robot) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let mut span = Self {
+            shoulder: Vector3::zeros(),
+            radius: 0.0,
+            lowest: f64::INFINITY,
+            highest: f64::NEG_INFINITY,
+            ahead: f64::NEG_INFINITY,
+        };
+        let mut first = None;
+        robot.arm_points(&Robot::at_origin(&robot.random_joints(&mut rng)), f64::INFINITY, |at, _| {
+            first.get_or_insert(at);
+        });
+        span.shoulder = first.unwrap_or_default();
+        for _ in 0..SAMPLES {
+            let at = robot.drive_from_grasp(&robot.random_joints(&mut rng)).translation.vector;
+            span.radius = span.radius.max((at - span.shoulder).norm());
+            span.lowest = span.lowest.min(at.z);
+            span.highest = span.highest.max(at.z);
+            span.ahead = span.ahead.max(at.x);
+        }
+        span
+    }
+
+    /// Whether a point may be within reach.
+    pub fn has(&self, point: &Vector3<f64>) -> bool {
+        let beyond = (BEYOND - 1.0) * self.radius;
+        let is_at_height = (self.lowest - beyond..=self.highest + beyond).contains(&point.z);
+        is_at_height && (point - self.shoulder).norm() <= BEYOND * self.radius
+    }
+}
+
+impl Robot {
+    /// What the arm reaches, for the error that no posture is found: a sentence.
+    pub(super) fn told_reach(&self) -> String {
+        let Span { lowest, highest, ahead, .. } = Span::new(self);
+        let (low, high) = (lowest.max(0.0), highest.max(0.0));
+        let all = format!(
+            "its arm reaches {low:.2} to {high:.2} m above the floor and {ahead:.2} m ahead of the drive"
+        );
+        let edge = footprint::across(&self.footprint) / 2.0;
+        let edge = self.base_extent().unwrap_or(edge);
+        let level = self.level_heights();
+        match (level.first(), level.last()) {
+            (Some(first), Some(last)) => {
+                format!("{all}, level at {first:.2} to {last:.2} m; the base extends to {edge:.2} m")
+            }
+            _ => format!("{all}, but never level and straight ahead"),
+        }
+    }
+
+    /// The heights at which the arm holds its grasp level and straight ahead, wherever that is in the plane
+    /// and whatever it touches, m.
+    fn level_heights(&self) -> Vec<f64> {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let mut is_level = |height: f64| {
+            [0.0, FRAC_PI_2, PI, -FRAC_PI_2].into_iter().any(|roll| {
+                let turn = Rotation3::from_axis_angle(&Vector3::x_axis(), roll);
+                (0..STARTS).any(|_| {
+                    let start = self.random_joints(&mut rng);
+                    self.level(start, height, &turn).is_some()
+                })
+            })
+        };
+        let heights = (0..HEIGHTS).map(|step| f64::from(step) * HEIGHT_STEP_M);
+        heights.filter(|&height| is_level(height)).collect()
+    }
 }
 
 impl Robot {

@@ -4,6 +4,7 @@ use super::drive::{BaseInput, Drive, DriveKind, Wheel as DrivenWheel};
 use super::link::{Geometry, JointKind, Link, Shape};
 use super::urdf::Urdf;
 use super::warning::RobotWarning;
+use super::wheel_search::{round, turns_freely};
 use crate::error::Error;
 use crate::geometry::Pose;
 use crate::math;
@@ -11,11 +12,15 @@ use nalgebra::{Point3, Rotation3, Vector3};
 use std::collections::BTreeMap;
 
 /// Largest difference between two lengths that must agree, m.
-const SAME_LENGTH_M: f64 = 1e-3;
+const SAME_LENGTH_M: f64 = 1.5e-3;
+/// Largest share by which calibrated radii of wheels may differ from each other.
+const SAME_RADIUS: f64 = 0.02;
 /// Largest share by which a calibrated radius or track may differ from the URDF's.
 const CALIBRATION: f64 = 0.1;
 /// Largest difference between two directions that must agree, rad.
 const SAME_DIRECTION_RAD: f64 = 1e-3;
+/// The least sine of the angle between a wheel's axis and a cylinder that is drawn a quarter turn off.
+const QUARTER_TURN: f64 = 0.9999;
 
 /// A wheel in the base's frame.
 struct Wheel {
@@ -28,6 +33,8 @@ struct Wheel {
     replaced: Option<f64>,
     /// Rate limit, rad/s.
     rate: f64,
+    /// What is odd about it.
+    remark: Option<String>,
 }
 
 /// The wheels that the robot file names: indices of their links.
@@ -107,6 +114,12 @@ impl Wheels<'_> {
         if !faults.is_empty() {
             return Err(faults);
         }
+        let mut remarks: Vec<RobotWarning> = Vec::new();
+        for (i, wheel) in &mut found {
+            let remark = wheel.remark.take().map(|remark| format!("joint `{}`: {remark}", name(links, *i)));
+            remarks.extend(remark.map(RobotWarning::new));
+        }
+        remarks.extend(equalize(&mut found));
         let measured = match &self.named {
             Named::Sides { wheels: [left, _], multiplier } => {
                 let (left, right) = found.split_at(left.len());
@@ -114,7 +127,9 @@ impl Wheels<'_> {
             }
             Named::Omnidirectional(of) => self.omnidirectional(links, &found, of),
         };
-        measured.map_err(|(i, why)| vec![fault(i, why)])
+        let mut measured = measured.map_err(|(i, why)| vec![fault(i, why)])?;
+        measured.warnings.extend(remarks);
+        Ok(measured)
     }
 
     /// Two driven sides. Wheels of one side are alike, and mirror images of those of the other.
@@ -266,8 +281,11 @@ impl Wheels<'_> {
         let elsewhere =
             |root: &Link| format!("it does not descend from `{base}`; its root is `{}`", root.name);
         let Some(joint) = &links[i].joint else { return Err(elsewhere(&links[i])) };
-        if joint.kind != JointKind::Continuous {
-            return Err(format!("its joint is {}; it must be continuous", joint.kind.name()));
+        if !turns_freely(joint) {
+            let kind = joint.kind.name();
+            return Err(format!(
+                "its joint is {kind}; it must be continuous: write type=\"continuous\" and its <axis> in the URDF"
+            ));
         }
         if let Some(mimic) = &joint.mimic {
             return Err(format!("it mimics `{}`; each wheel must turn independently", mimic.joint));
@@ -310,25 +328,57 @@ impl Wheels<'_> {
                 "limit velocity = {rate}; it must be greater than 0 and finite; give wheel_rate_limit_rad_s in the robot file"
             ));
         }
-        let found = rolling(&links[i].collisions).or_else(|| rolling(&links[i].visuals));
+        let found = round(&links[i].collisions).or_else(|| round(&links[i].visuals));
+        let mut remark = (joint.kind != JointKind::Continuous)
+            .then(|| "it is revolute with a range of a turn or more; it is taken as continuous".to_owned());
         let (radius, replaced, middle) = match (found, self.radius) {
             (None, None) => {
                 let why = "it has no cylinder or sphere to measure; give wheel_radius_m in the robot file";
                 return Err(why.to_owned());
             }
             (None, Some(given)) => (given, None, Vector3::zeros()),
-            (Some((shape, measured)), given) => {
-                let middle = along_axis(shape, &joint.axis)?;
-                if let Some(given) = given.filter(|g| (g - measured).abs() > CALIBRATION * measured) {
+            (Some((shape, measured)), given) => match (along_axis(shape, &joint.axis), given) {
+                (Err(Off::By(why)), Some(given)) => {
+                    remark = Some(format!("its {why}; only wheel_radius_m counts"));
+                    (given, None, Vector3::zeros())
+                }
+                (Err(Off::By(why)), None) => {
+                    return Err(format!(
+                        "its {why}; it must be centred on it, or give wheel_radius_m in the robot file"
+                    ));
+                }
+                (_, Some(given)) if (given - measured).abs() > CALIBRATION * measured => {
                     return Err(format!(
                         "its radius is {measured} m in the URDF, but wheel_radius_m = {given}; they must agree within 10 %"
                     ));
                 }
-                (given.unwrap_or(measured), given.map(|_| measured), middle)
-            }
+                (along, given) => {
+                    let middle = along.unwrap_or_else(|_| {
+                        remark = Some(format!(
+                            "its cylinder is drawn 90 deg off the joint's axis; its radius of {measured} m is taken as the wheel's"
+                        ));
+                        Vector3::zeros()
+                    });
+                    (given.unwrap_or(measured), given.map(|_| measured), middle)
+                }
+            },
         };
-        Ok(Wheel { middle: base_from_wheel * Point3::from(middle), axis, radius, replaced, rate })
+        Ok(Wheel { middle: base_from_wheel * Point3::from(middle), axis, radius, replaced, rate, remark })
     }
+}
+
+/// Gives wheels whose radii differ by their calibration the mean of these, with a warning.
+fn equalize(wheels: &mut [(usize, Wheel)]) -> Option<RobotWarning> {
+    let radii = || wheels.iter().map(|(_, wheel)| wheel.radius);
+    let (least, most) = (radii().reduce(f64::min)?, radii().reduce(f64::max)?);
+    let mean = radii().sum::<f64>() / wheels.len() as f64;
+    if most - least <= 1e-6 || most - least > SAME_RADIUS * mean {
+        return None;
+    }
+    wheels.iter_mut().for_each(|(_, wheel)| wheel.radius = mean);
+    Some(RobotWarning::new(format!(
+        "the wheels' radii differ, {least:.4} to {most:.4} m in the URDF: their mean of {mean:.4} m is taken (wheel_radius_m)"
+    )))
 }
 
 /// The warning that a value in the robot file (m) replaces the URDF's.
@@ -353,28 +403,28 @@ fn above(middle: Point3<f64>, radius: f64) -> Pose {
     Pose::from_parts((-floor).into(), Rotation3::identity())
 }
 
-/// The cylinder or sphere of the largest radius, and that radius.
-fn rolling(shapes: &[Geometry]) -> Option<(&Geometry, f64)> {
-    let round = shapes.iter().filter_map(|g| match g.shape {
-        Shape::Cylinder { radius, .. } | Shape::Sphere { radius } => Some((g, radius)),
-        _ => None,
-    });
-    round.max_by(|a, b| a.1.total_cmp(&b.1))
+/// How a wheel's shape is off the joint's axis.
+enum Off {
+    /// Its cylinder is across the axis, around the same centre.
+    QuarterTurn,
+    /// A sentence.
+    By(String),
 }
 
 /// The centre of a wheel's shape in the wheel's frame. The shape must be centred on the joint's axis.
-fn along_axis(geometry: &Geometry, axis: &Vector3<f64>) -> Result<Vector3<f64>, String> {
+fn along_axis(geometry: &Geometry, axis: &Vector3<f64>) -> Result<Vector3<f64>, Off> {
     let middle = geometry.link_from_shape.translation.vector;
     let by_m = axis.cross(&middle).norm();
     let (shape, sine) = match geometry.shape {
         Shape::Sphere { .. } => ("sphere", 0.0),
         _ => ("cylinder", (geometry.link_from_shape.rotation * Vector3::z()).cross(axis).norm()),
     };
+    if by_m <= SAME_LENGTH_M && sine >= QUARTER_TURN {
+        return Err(Off::QuarterTurn);
+    }
     if by_m > SAME_LENGTH_M || sine > SAME_DIRECTION_RAD {
         let by_deg = math::asin(sine.min(1.0)).to_degrees();
-        return Err(format!(
-            "its {shape} is {by_m:.4} m or {by_deg:.2} deg off the joint's axis; it must be centred on it"
-        ));
+        return Err(Off::By(format!("{shape} is {by_m:.4} m or {by_deg:.2} deg off the joint's axis")));
     }
     Ok(axis * axis.dot(&middle))
 }

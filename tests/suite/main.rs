@@ -14,6 +14,7 @@ mod crowded_worlds;
 mod demo;
 mod detection;
 mod determinism;
+mod drafts;
 mod drives;
 mod extreme_numbers;
 mod file_bounds;
