@@ -1,6 +1,7 @@
 //! The arms of a URDF: ends of its tree that are neither wheels, legs, heads nor fingers, and the link at each
 //! that holds an object.
 
+use super::draft_legs::LEGS;
 use super::draft_tree::{carrier, independent, is_within, joint_name, link_says, moving, path, says, upward};
 use super::link::{JointKind, Link};
 use crate::geometry::Pose;
@@ -141,7 +142,8 @@ pub(super) fn is_no_tool(name: &str) -> bool {
 /// The arms that descend from a base, the likeliest first; `wheels` and what they carry are none.
 pub(super) fn arms(links: &[Link], poses: &[Pose], base: usize, wheels: &[usize]) -> Vec<Arm> {
     let tree = Tree::new(links, poses, base, wheels);
-    let ends: Vec<usize> = (0..links.len()).filter(|&i| tree.is_end(i)).collect();
+    let is_arm = |&i: &usize| tree.is_end(i) && !link_says(links, i, &LEGS);
+    let ends: Vec<usize> = (0..links.len()).filter(is_arm).collect();
     let paths: Vec<Vec<usize>> = ends.iter().map(|&end| path(links, base, end).unwrap_or_default()).collect();
     let arm = |(n, path): (usize, &Vec<usize>)| {
         let joints: Vec<usize> = path.iter().copied().filter(|&i| independent(links, i).is_some()).collect();
@@ -220,8 +222,8 @@ impl<'a> Tree<'a> {
         }
         let opens = says(&joint.name, &GRIPPERS) && !says(&joint.name, &WRISTS);
         // a part that mimics a joint above it keeps a wrist level
-        let above = |name: &str| upward(self.links, i).any(|at| joint_name(self.links, at) == name);
-        let mimics = joint.mimic.as_ref().is_some_and(|mimic| !above(&mimic.joint));
+        let is_above = |name: &str| upward(self.links, i).any(|at| joint_name(self.links, at) == name);
+        let mimics = joint.mimic.as_ref().is_some_and(|mimic| !is_above(&mimic.joint));
         if link_says(self.links, i, &FINGERS) || opens || mimics {
             return true;
         }

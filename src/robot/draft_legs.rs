@@ -8,7 +8,7 @@ use crate::geometry::Pose;
 use crate::suggestion;
 
 /// Words in the names of legs.
-const LEGS: [&str; 16] = [
+pub(super) const LEGS: [&str; 16] = [
     "leg", "legs", "hip", "thigh", "calf", "knee", "shank", "shin", "ankle", "foot", "femur", "tibia",
     "coxa", "haa", "hfe", "kfe",
 ];

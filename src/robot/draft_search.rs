@@ -75,7 +75,8 @@ impl Search<'_> {
         let base = given_base.unwrap_or_else(|| self.with_arm(named, given_tool, &all));
         let arms = arms(links, poses, base, &all);
         let (tool, own) = self.tool(base, given_tool, &arms)?;
-        let tops: Vec<usize> = arms.iter().filter_map(|arm| arm.joints.first().copied()).collect();
+        let are_arms = arms.iter().filter(|&arm| Some(arm) == own || arm.is_another());
+        let tops: Vec<usize> = are_arms.filter_map(|arm| arm.joints.first().copied()).collect();
         if drive.is_omnidirectional() && request.base_size.is_none() {
             self.check_rolls(&seen, base, &tops, &mut assumed)?;
         }

@@ -268,7 +268,8 @@ class Gallery:
     def carries(self, name: str, urdf: pathlib.Path, arguments: list[str]) -> None:
         """Drafts the robot file, compares it with pinocchio, and carries in the four environments."""
         file = self.work / f"{name}.toml"
-        drafted = self.cocarry("robot", "init", urdf, "-o", file, *arguments)
+        hold = [word for joint, at in HOLD.get(name, {}).items() for word in ("--hold", f"{joint}={math.degrees(at)}")]
+        drafted = self.cocarry("robot", "init", urdf, "-o", file, *arguments, *hold)
         if name in NO_POSTURE:
             self.check(drafted.returncode == 2 and "no posture found" in drafted.stderr, f"{name}: {drafted.stderr}")
             print(f"{name:14} no posture found")
@@ -276,11 +277,6 @@ class Gallery:
         if drafted.returncode != 0:
             self.check(False, f"{name}: {drafted.stderr}")
             return
-        if name in HOLD:
-            lines = [f"{joint} = {{ angle_deg = {math.degrees(at)} }}\n" for joint, at in HOLD[name].items()]
-            text = file.read_text()
-            text = text if "[hold]" in text else text.replace("\n[[posture]]", "\n[hold]\n\n[[posture]]", 1)
-            file.write_text(text.replace("[hold]\n", "[hold]\n" + "".join(lines)))
         self.examine(name, urdf, arguments, file)
 
     def examine(self, name: str, urdf: pathlib.Path, arguments: list[str], file: pathlib.Path) -> None:

@@ -163,7 +163,7 @@ def page(name: str, told: dict, robots: pathlib.Path, seeds: int) -> str:
         lines += [f"The others: {', '.join(others)}. [All robots](../gallery.md) says why."]
     said = "It is in `assets/robots`." if is_own else (
         f"`cocarry robot init{''.join(' ' + word for word in told['arguments'])}` drafts it from the URDF"
-        + ("; what is under `[hold]` for the idle arm is added." if "right arm" in about else ".")
+        + (", with `--hold` for the joints of the idle arm." if "right arm" in about else ".")
     )
     lines += [
         "", "## Robot file", "", said, "",
