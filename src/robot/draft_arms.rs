@@ -2,7 +2,9 @@
 //! that holds an object.
 
 use super::draft_legs::LEGS;
-use super::draft_tree::{carrier, independent, is_within, joint_name, link_says, moving, path, says, upward};
+use super::draft_tree::{
+    carrier, independent, is_within, joint_name, link_says, moving, names, path, says, upward,
+};
 use super::link::{JointKind, Link};
 use crate::geometry::Pose;
 use std::cmp::Reverse;
@@ -21,7 +23,7 @@ pub(super) struct Arm {
 }
 
 /// Parts of the names of tools, the likeliest first.
-const TOOLS: [&str; 17] = [
+const TOOLS: [&str; 16] = [
     "grasping_frame",
     "grasp",
     "tcp",
@@ -33,7 +35,6 @@ const TOOLS: [&str; 17] = [
     "palm",
     "hand",
     "endeffector",
-    "eef",
     "eoat",
     "ee",
     "suction",
@@ -195,14 +196,23 @@ impl<'a> Tree<'a> {
         let mut tree = Self { links, poses, base, is_out: vec![false; links.len()] };
         for i in 0..links.len() {
             let is_above_out = links[i].parent.is_some_and(|parent| tree.is_out[parent]);
-            let is_none = || moving(links, i).is_some() && link_says(links, i, &NO_ARMS);
-            tree.is_out[i] = is_above_out || wheels.contains(&i) || is_none();
+            tree.is_out[i] =
+                i != base && is_within(links, i, base) && (is_above_out || tree.is_no_arm(i, wheels));
         }
         let fingers: Vec<usize> = (0..links.len()).filter(|&i| tree.is_finger(i)).collect();
         for i in 0..links.len() {
             tree.is_out[i] |= upward(links, i).any(|above| fingers.contains(&above));
         }
         tree
+    }
+
+    /// Whether a link is a wheel, carries one, or is the first one of a head, by its names.
+    fn is_no_arm(&self, i: usize, wheels: &[usize]) -> bool {
+        let links = self.links;
+        let carries = || wheels.iter().any(|&wheel| is_within(links, wheel, i));
+        let is_named =
+            || link_says(links, i, &NO_ARMS) || names(&links[i]).iter().any(|name| says(name, &["wheel"]));
+        wheels.contains(&i) || moving(links, i).is_some() && (carries() || is_named())
     }
 
     /// Whether a joint moves a link below the base, and none below it moves.

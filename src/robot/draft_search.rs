@@ -83,7 +83,7 @@ impl Search<'_> {
         let radius = self.radius(&mut drive)?;
         let mut keys = drive.keys(links);
         if drive.is_omnidirectional() && drive.wheels().is_empty() {
-            if !request.base_size.is_some() {
+            if request.base_size.is_none() {
                 assumed.push(
                     "its wheels are not drawn turning: none are named (mecanum_wheels, omni_wheels)"
                         .to_owned(),
