@@ -32,9 +32,20 @@ pub fn open(path: &Path) -> Result<File, io::Error> {
 /// # Errors
 /// The system's, also if the file is longer than its kind may be, not a regular file, or not UTF-8.
 pub fn read(kind: &FileBounds, path: &Path) -> Result<String, Error> {
-    let bytes = read_file(kind, path)?;
-    let text = String::from_utf8(bytes).map_err(|error| io::Error::new(ErrorKind::InvalidData, error));
-    text.map_err(|error| unreadable(path.display(), error))
+    read_with(kind, path, utf_8)
+}
+
+/// As [`read`], with another encoding of the text.
+///
+/// # Errors
+/// As [`read`], and those of `decoded`.
+pub fn read_with(
+    kind: &FileBounds,
+    path: &Path,
+    decoded: fn(Vec<u8>) -> Result<String, io::Error>,
+) -> Result<String, Error> {
+    let read = read_bytes(kind, path).and_then(decoded);
+    read.map_err(|error| unreadable(path.display(), hinted(path, error)))
 }
 
 /// Reads a file of a kind, in whatever encoding.
@@ -43,6 +54,21 @@ pub fn read(kind: &FileBounds, path: &Path) -> Result<String, Error> {
 /// As [`read`], but for the encoding.
 pub fn read_file(kind: &FileBounds, path: &Path) -> Result<Vec<u8>, Error> {
     read_bytes(kind, path).map_err(|error| unreadable(path.display(), hinted(path, error)))
+}
+
+fn utf_8(bytes: Vec<u8>) -> Result<String, io::Error> {
+    String::from_utf8(bytes).map_err(|error| io::Error::new(ErrorKind::InvalidData, error))
+}
+
+/// What errors call standard input.
+pub const STANDARD_INPUT: &str = "standard input";
+
+/// As [`read`], from standard input to its end.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_input(kind: &FileBounds) -> Result<String, Error> {
+    bounded(kind, io::stdin().lock()).and_then(utf_8).map_err(|error| unreadable(STANDARD_INPUT, error))
 }
 
 /// The error of a file that the system cannot read.
@@ -62,9 +88,14 @@ fn hinted(path: &Path, error: io::Error) -> io::Error {
 /// # Errors
 /// The system's, also if the file is longer than its kind may be, or not a regular file.
 pub fn read_bytes(kind: &FileBounds, path: &Path) -> Result<Vec<u8>, io::Error> {
+    bounded(kind, open(path)?)
+}
+
+/// What a reader gives, up to the limit of its kind.
+fn bounded(kind: &FileBounds, reader: impl Read) -> Result<Vec<u8>, io::Error> {
     let limit = kind.bytes();
     let mut bytes = Vec::new();
-    open(path)?.take(limit + 1).read_to_end(&mut bytes)?;
+    reader.take(limit + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > limit {
         return Err(io::Error::other(format!("larger than {limit} bytes")));
     }

@@ -37,6 +37,7 @@ from cocarry._cocarry import (
     read,
     settings,
 )
+from cocarry._compare import Picture, compare, plot, summary
 from cocarry._partners import Decision, Human, HumanDecision, Policy
 from cocarry._program import fit_eta, fit_risk_weight, reproduce
 from cocarry._study import sweep
@@ -52,6 +53,7 @@ __all__ = [
     "HumanDecision",
     "HandView",
     "HumanView",
+    "Picture",
     "Policy",
     "Preference",
     "Recording",
@@ -67,12 +69,15 @@ __all__ = [
     "World",
     "WorldError",
     "__version__",
+    "compare",
     "fit_eta",
     "fit_risk_weight",
     "gumbel",
+    "plot",
     "quantities",
     "read",
     "reproduce",
     "settings",
+    "summary",
     "sweep",
 ]

@@ -569,11 +569,52 @@ def picture(recording: bytes, width: int) -> NDArray[np.uint8]:
 def program(arguments: Sequence[str]) -> int:
     """Runs the command-line program with these arguments; returns its exit code."""
 
-def study_rows(text: str, *, file: str, folder: str, seeds: int | None, first: int, end: int) -> bytes:
+#: Name, code and object of a policy or human of a sweep; the last two are None for one of the program.
+_Partner = tuple[str, str | None, Any]
+
+def study_rows(
+    text: str,
+    *,
+    file: str,
+    folder: str,
+    seeds: int | None,
+    first: int,
+    end: int,
+    policies: Sequence[_Partner] = ...,
+    humans: Sequence[_Partner] = ...,
+) -> bytes:
     """The lines of results of the episodes from ``first`` to before ``end``, as ``cocarry sweep`` writes them.
 
     Raises StudyError.
     """
+
+def study_episodes(
+    text: str,
+    *,
+    file: str,
+    folder: str,
+    seeds: int | None,
+    policies: Sequence[_Partner],
+    humans: Sequence[_Partner],
+) -> int:
+    """The number of episodes of a study. Raises StudyError."""
+
+def check_partner(given: Any) -> None:
+    """Raises DecisionError for what cannot decide."""
+
+def rows_table(lines: bytes) -> Table:
+    """The table of lines of results, as ``study_rows`` returns them."""
+
+def compare(
+    results: Sequence[Any], by: str | None, over: Sequence[str], quantities: Sequence[str]
+) -> tuple[Table, list[str]]:
+    """The paired comparisons of results, and notes on them; see cocarry.compare."""
+
+def summary(results: Sequence[Any]) -> tuple[Table, list[str]]:
+    """Means and intervals of every combination of results, and notes on them; see cocarry.summary."""
+
+def plot(results: Sequence[Any], kind: str, quantity: str, by: str | None, cells: int) -> tuple[str, list[str]]:
+    """A picture of results, as SVG, and notes on them; see cocarry.plot."""
 
 def arithmetic_stamp() -> str:
     """The stamp of this machine's arithmetic: a digest of a fixed list of results."""
@@ -586,7 +627,16 @@ class Rows:
     """
 
     def __new__(
-        cls, text: str, *, file: str, folder: str, seeds: int | None, out: _Path, overwrite: bool
+        cls,
+        text: str,
+        *,
+        file: str,
+        folder: str,
+        seeds: int | None,
+        out: _Path,
+        overwrite: bool,
+        policies: Sequence[_Partner] = ...,
+        humans: Sequence[_Partner] = ...,
     ) -> Rows: ...
     @property
     def kept(self) -> int:
@@ -612,8 +662,8 @@ def sweep(
     seeds: int | None = None,
     shard: tuple[int, int] | None = None,
     threads: int | None = None,
-    policy: Any = None,
-    human: Any = None,
+    policies: Sequence[_Partner] = ...,
+    humans: Sequence[_Partner] = ...,
     out: _Path | None = None,
     ticks: _Path | None = None,
     overwrite: bool = False,

@@ -10,7 +10,7 @@ from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from typing import Any, Literal, overload
 
-from cocarry import _cocarry, _ray
+from cocarry import _cocarry, _identity, _ray, _registry
 from cocarry._cocarry import StudyError, Table
 
 
@@ -75,11 +75,14 @@ def sweep(
     threads: default all. The rows do not depend on it.
     processes: run in this many processes instead, each with one thread; for custom partners, which hold Python's lock.
         They and the partners must be importable there (spawn).
-    policy, human: custom partners, as of Episode, in all episodes. Every episode has copies of them. The columns
-        ``method`` and ``human_model`` are then ``own(NAME)``, and ``checksum`` is empty.
+    policy, human: in place of the study's methods and human models: a custom one, as of Episode; the name of a built-in
+        one, or of one that a package registers; or a list of them, or a mapping with their names. All are run with the
+        same seeds. Every episode has copies of the custom ones. Their names are in the columns ``method`` and
+        ``human_model``, and what is known of their code, a version and a digest, in ``policy_code`` and ``human_code``.
+        The name is the attribute ``name``, or that of the function or class; the version is the attribute ``version``.
     out: write the rows into this file too, as ``cocarry sweep --output``: Parquet if its name ends in ``.parquet``, else
-        CSV. A sweep that was stopped, by Ctrl-C or a power cut, resumes where it stopped. Not with
-        custom partners.
+        CSV. A sweep that was stopped, by Ctrl-C or a power cut, resumes where it stopped, if neither the study nor the
+        code of custom partners has changed.
     ticks: write every tick of every episode into this new folder, as ``cocarry sweep --ticks``: Parquet files of 100
         episodes each. Needs out.
     overwrite: replace existing outputs, and unfinished ones of another study.
@@ -105,32 +108,89 @@ def sweep(
     if address is not None:
         raise StudyError('address = the address of a Ray cluster: needs backend = "ray"')
     tell = _bar if progress is True else progress or None
+    partners = {"policies": _partners("policy", policy), "humans": _partners("human", human)}
     if processes is None:
         return _cocarry.sweep(
-            text, file=file, folder=folder, seeds=seeds, shard=shard, threads=threads, policy=policy, human=human,
+            text, file=file, folder=folder, seeds=seeds, shard=shard, threads=threads, **partners,
             out=out, ticks=ticks, overwrite=overwrite, progress=tell, table=table,
         )
-    if processes < 1 or any(given is not None for given in (shard, threads, out, ticks)):
+    if processes < 1 or any(given is not None for given in (shard, threads, ticks)):
         raise StudyError(
-            "processes must be at least 1, without shard, threads, out and ticks: processes have a shard and a thread each"
+            "processes must be at least 1, without shard, threads and ticks: processes have a thread each"
         )
-    parts = max(processes, 1)
-    with ProcessPoolExecutor(parts, mp_context=get_context("spawn")) as pool:
-        work = [pool.submit(_shard, text, file, folder, seeds, (i + 1, parts), policy, human) for i in range(parts)]
-        tables = []
-        for part in work:
-            tables.append(part.result())
-            if tell is not None:
-                tell(len(tables), parts)
-    return Table.concatenate(tables)
+    source = {"text": text, "file": file, "folder": folder, "seeds": seeds}
+    return _in_processes(processes, source, partners, out, overwrite, tell, table)
 
 
-def _shard(
-    text: str, file: str, folder: str, seeds: int | None, shard: tuple[int, int], policy: Any, human: Any
-) -> Table:
-    table = _cocarry.sweep(text, file=file, folder=folder, seeds=seeds, shard=shard, threads=1, policy=policy, human=human)
-    assert table is not None
-    return table
+def _in_processes(
+    processes: int,
+    source: dict[str, Any],
+    partners: dict[str, list[Partner]],
+    out: str | os.PathLike[str] | None,
+    overwrite: bool,
+    tell: Callable[[int, int], object] | None,
+    table: bool,
+) -> Table | None:
+    """Runs blocks of episodes in processes, and joins their rows in order."""
+    rows = _cocarry.Rows(**source, **partners, out=out, overwrite=overwrite) if out is not None else None
+    done = rows.kept if rows is not None else 0
+    count = rows.episodes if rows is not None else _cocarry.study_episodes(**source, **partners)
+    # enough blocks that a stopped sweep loses little, and that no process waits for long
+    size = max(1, min(1000 if rows is not None else count, -(-(count - done) // (4 * processes))))
+    blocks = [(first, min(first + size, count)) for first in range(done, count, size)]
+    lines = []
+    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
+        work = [pool.submit(_block, source, partners, first, end) for first, end in blocks]
+        try:
+            for (_, end), block in zip(blocks, work):
+                found = block.result()
+                if rows is not None:
+                    rows.append(found)
+                else:
+                    lines.append(found)
+                if tell is not None:
+                    tell(end, count)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    return rows.finish(table) if rows is not None else _cocarry.rows_table(b"".join(lines))
+
+
+def _block(source: dict[str, Any], partners: dict[str, list[Partner]], first: int, end: int) -> bytes:
+    return _cocarry.study_rows(**source, **partners, first=first, end=end)
+
+
+#: Name, code and object of a policy or human; the last two are None for one of the program.
+Partner = tuple[str, str | None, Any]
+
+
+def _partners(what: str, given: Any) -> list[Partner]:
+    """The policies or humans that ``sweep`` is given; none for those of the study."""
+    if given is None:
+        return []
+    if isinstance(given, Mapping):
+        wrong = [name for name, one in given.items() if not isinstance(name, str) or isinstance(one, str)]
+        if wrong or not given:
+            raise StudyError(f"{what} = a mapping: it must have names and custom ones, and {wrong or 'it is empty'}")
+        return [_custom(one, name) for name, one in given.items()]
+    if not isinstance(given, (list, tuple)):
+        return [_partner(what, given)]
+    if not given:
+        raise StudyError(f"{what} = an empty list; it must have at least one, or be None for those of the study")
+    return [_partner(what, one) for one in given]
+
+
+def _partner(what: str, given: Any) -> Partner:
+    if not isinstance(given, str):
+        return _custom(given, _identity.name_of(given))
+    if given not in _registry.registered(what):
+        return given, None, None
+    return _custom(_registry.load(what, given), given, _registry.version(what, given))
+
+
+def _custom(given: Any, name: str, version: str | None = None) -> Partner:
+    _cocarry.check_partner(given)
+    return name, _identity.code_of(given, version), given
 
 
 def _source(study: str | os.PathLike[str] | Mapping[str, Any]) -> tuple[str, str, str]:

@@ -7,6 +7,8 @@ mod error;
 mod partners;
 mod preference;
 mod recording;
+mod registry;
+mod results;
 mod robot;
 mod scenario;
 mod study;
@@ -64,6 +66,7 @@ fn quantities<'py>(py: Python<'py>, of: &str) -> PyResult<Bound<'py, PyDict>> {
 /// Runs the command-line program with these arguments; returns its exit code.
 #[pyfunction]
 fn program(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
+    registry::provide(py);
     let code = py.detach(|| cocarry_program::main_of(arguments));
     (0..=u8::MAX).find(|number| ExitCode::from(*number) == code).unwrap_or(1)
 }
@@ -87,7 +90,13 @@ fn _cocarry(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(scenario::settings, module)?)?;
     module.add_function(wrap_pyfunction!(study::sweep, module)?)?;
     module.add_function(wrap_pyfunction!(study::study_rows, module)?)?;
+    module.add_function(wrap_pyfunction!(study::study_episodes, module)?)?;
+    module.add_function(wrap_pyfunction!(study::check_partner, module)?)?;
+    module.add_function(wrap_pyfunction!(study::rows_table, module)?)?;
     module.add_function(wrap_pyfunction!(study::arithmetic_stamp, module)?)?;
+    module.add_function(wrap_pyfunction!(results::compare, module)?)?;
+    module.add_function(wrap_pyfunction!(results::summary, module)?)?;
+    module.add_function(wrap_pyfunction!(results::plot, module)?)?;
     module.add_class::<study::Rows>()?;
     module.add_function(wrap_pyfunction!(recording::read, module)?)?;
     module.add_function(wrap_pyfunction!(recording::player, module)?)?;

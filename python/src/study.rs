@@ -6,7 +6,11 @@ use crate::table::Table;
 use cocarry::episode::Episode;
 use cocarry::scenario::PreparedScenario;
 use cocarry_studies::columns::Columns;
-use cocarry_studies::study::{Shard, Study, Sweep, SweepError, SweepOutputs, columns, read_rows};
+use cocarry_studies::parallel::OnDone;
+use cocarry_studies::study::{
+    Custom, EpisodeMaker, Partner, Partners, Shard, Study, Sweep, SweepError, SweepOutputs, columns, read_rows,
+    rows_with,
+};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::path::{Path, PathBuf};
@@ -18,67 +22,75 @@ use std::time::Duration;
 /// How long the main thread waits for rows before it looks at signals.
 const BETWEEN_SIGNALS: Duration = Duration::from_millis(50);
 
-/// What the threads share.
-struct Work<'w> {
-    study: &'w Study,
-    own: &'w Own,
-    next: AtomicU64,
-    end: u64,
-    is_stopped: AtomicBool,
-    fault: Fault,
+/// A policy or a human from Python: its name; of a custom one also what is known of its code, and the object.
+type GivenPartner = (String, Option<String>, Option<Py<PyAny>>);
+
+/// The custom policies and humans of a study, by their place in its lists.
+#[derive(Default)]
+struct Objects {
+    policies: Vec<Option<Py<PyAny>>>,
+    humans: Vec<Option<Py<PyAny>>>,
 }
 
-impl Work<'_> {
-    /// Runs an episode to its end, or until the sweep is stopped.
-    fn run<'s>(&self, prepared: &'s PreparedScenario) -> Result<Episode<'s>, cocarry::Error> {
-        let own = match self.own.is_empty() {
-            true => Own::default(),
-            false => Python::attach(|py| self.own.copied(py)).unwrap_or_else(|error| {
-                self.fault.put(error);
-                Own::default()
-            }),
+/// Splits policies and humans into what the study knows of them, and their objects.
+fn split(policies: Vec<GivenPartner>, humans: Vec<GivenPartner>) -> PyResult<(Partners, Objects)> {
+    // classes become objects once
+    let made = |object: Option<Py<PyAny>>| {
+        Python::attach(|py| Own::of(object.as_ref().map(|object| object.bind(py)), None)).map(|own| own.policy)
+    };
+    let part = |given: Vec<GivenPartner>| -> PyResult<(Vec<Partner>, Vec<Option<Py<PyAny>>>)> {
+        let partner = |(name, code, object): GivenPartner| match code {
+            Some(code) => Ok((Partner::Custom { name, code }, made(object)?)),
+            None => Ok((Partner::BuiltIn(name), None)),
         };
-        let mut episode = prepared.episode_of(own.partners(prepared, &self.fault))?;
-        while episode.step().is_none() && !self.is_over() {}
-        Ok(episode)
+        given.into_iter().map(partner).collect()
+    };
+    let ((policy_names, policies), (human_names, humans)) = (part(policies)?, part(humans)?);
+    let partners = Partners::new(policy_names, human_names).map_err(|error| raise::<StudyError>(&error))?;
+    Ok((partners, Objects { policies, humans }))
+}
+
+/// Makes the episodes of a study with the custom partners of Python.
+struct Maker<'m> {
+    objects: &'m Objects,
+    is_custom: bool,
+    fault: &'m Fault,
+    stop: &'m AtomicBool,
+}
+
+impl Maker<'_> {
+    /// Copies of the partners of an episode.
+    fn copied(&self, custom: Custom) -> PyResult<Own> {
+        Python::attach(|py| {
+            let one = |list: &[Option<Py<PyAny>>], at: Option<usize>| {
+                list.get(at?)?.as_ref().map(|object| object.clone_ref(py))
+            };
+            let (policy, human) = (&self.objects.policies, &self.objects.humans);
+            Own { policy: one(policy, custom.policy), human: one(human, custom.human) }.copied(py)
+        })
+    }
+}
+
+impl EpisodeMaker for Maker<'_> {
+    fn begin<'s>(&self, prepared: &'s PreparedScenario, custom: Custom) -> Result<Episode<'s>, cocarry::Error> {
+        if custom == Custom::default() {
+            return prepared.episode();
+        }
+        let own = self.copied(custom).unwrap_or_else(|error| {
+            self.fault.put(error);
+            Own::default()
+        });
+        prepared.episode_of(own.partners(prepared, self.fault))
     }
 
     fn is_over(&self) -> bool {
-        self.is_stopped.load(Ordering::Relaxed) || (!self.own.is_empty() && self.fault.is_there())
+        self.stop.load(Ordering::Relaxed) || (self.is_custom && self.fault.is_there())
     }
-
-    /// Works on episodes until there are no more.
-    fn work(&self, rows: &mpsc::Sender<(u64, Vec<u8>)>) {
-        while !self.is_over() {
-            let episode = self.next.fetch_add(1, Ordering::Relaxed);
-            if episode >= self.end {
-                break;
-            }
-            match guarded(|| self.study.row(episode, &|prepared| self.run(prepared))) {
-                Ok(row) => {
-                    if rows.send((episode, row)).is_err() {
-                        break;
-                    }
-                }
-                Err(error) => {
-                    self.fault.put(error);
-                    self.is_stopped.store(true, Ordering::Relaxed);
-                }
-            }
-        }
-    }
-}
-
-/// The name of a custom partner in results.
-fn name(py: Python<'_>, object: &Py<PyAny>) -> String {
-    let object = object.bind(py);
-    let name = object.getattr("__name__").or_else(|_| object.get_type().getattr("__name__"));
-    format!("own({})", name.map_or_else(|_| "?".to_owned(), |name| name.to_string()))
 }
 
 /// Runs the episodes of a study and returns a row for each, in the study's order.
 #[pyfunction]
-#[pyo3(signature = (text, *, file, folder, seeds = None, shard = None, threads = None, policy = None, human = None, out = None, ticks = None, overwrite = false, progress = None, table = true))]
+#[pyo3(signature = (text, *, file, folder, seeds = None, shard = None, threads = None, policies = Vec::new(), humans = Vec::new(), out = None, ticks = None, overwrite = false, progress = None, table = true))]
 #[allow(clippy::too_many_arguments, reason = "keywords")]
 pub fn sweep(
     py: Python<'_>,
@@ -88,27 +100,24 @@ pub fn sweep(
     seeds: Option<u64>,
     shard: Option<(u64, u64)>,
     threads: Option<usize>,
-    policy: Option<&Bound<'_, PyAny>>,
-    human: Option<&Bound<'_, PyAny>>,
+    policies: Vec<GivenPartner>,
+    humans: Vec<GivenPartner>,
     out: Option<PathBuf>,
     ticks: Option<PathBuf>,
     overwrite: bool,
     progress: Option<&Bound<'_, PyAny>>,
     table: bool,
 ) -> PyResult<Option<Table>> {
-    let own = Own::of(policy, human)?;
-    if out.is_some() && !own.is_empty() {
-        return Err(StudyError::new_err(
-            "out = a file: only for the partners of a study, which its digest covers; write the table of custom partners, as with polars.DataFrame(table).write_parquet",
-        ));
-    }
     if ticks.is_some() && out.is_none() {
         return Err(StudyError::new_err(
             "ticks = a folder: needs out = a file, for the rows with which they resume",
         ));
     }
-    let study = py.detach(|| Study::parse(file, text, Path::new(&folder), seeds));
-    let study = study.map_err(|error| raise::<StudyError>(&error))?;
+    let (partners, objects) = split(policies, humans)?;
+    let is_custom = partners.are_custom();
+    let study = py.detach(|| Study::parse_with(file, text, Path::new(&folder), seeds, partners));
+    let refused = |error: SweepError| raise::<StudyError>(&error);
+    let study = study.map_err(refused)?;
     let shard = match shard {
         Some((number, of)) if number < 1 || number > of => {
             return Err(StudyError::new_err(format!(
@@ -117,54 +126,78 @@ pub fn sweep(
         }
         shard => shard.map(|(number, of)| Shard { number, of }),
     };
-    let episodes = shard.map_or(0..study.episodes(), |shard| shard.episodes(study.episodes()));
     let threads = match threads {
         Some(0) => return Err(StudyError::new_err("threads = 0; it must be at least 1")),
         Some(threads) => threads,
         None => std::thread::available_parallelism().map_or(1, usize::from),
     };
     let progress = progress.map(|progress| progress.clone().unbind());
-    if let Some(rows) = out {
-        let to = SweepOutputs { rows: &rows, ticks: ticks.as_deref(), overwrite };
-        py.detach(|| into_file(&study, shard, to, threads, progress.as_ref()))?;
-        return table.then(|| read(py, &rows)).transpose();
-    }
-    let count = episodes.end - episodes.start;
-    let work = Work {
-        study: &study,
-        own: &own,
-        next: AtomicU64::new(episodes.start),
-        end: episodes.end,
-        is_stopped: AtomicBool::new(false),
-        fault: Fault::default(),
-    };
-    let lines = py.detach(|| run(&work, threads, count, progress.as_ref()));
-    work.fault.take()?;
-    let lines = lines?;
-    let mut rows = Vec::with_capacity(lines.len());
-    for line in lines {
-        let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(line.as_slice());
-        let row = reader.records().next().transpose().map_err(|error| raise::<StudyError>(&error))?;
-        rows.push(row.iter().flatten().map(str::to_owned).collect::<Vec<_>>());
-    }
-    let place = |key| columns().iter().position(|heading| heading.name == key);
-    for (object, key) in [(&own.policy, "method"), (&own.human, "human_model")] {
-        let Some(object) = object else { continue };
-        let name = name(py, object);
-        for row in &mut rows {
-            // the checksum is that of the study's own row
-            place("checksum").into_iter().for_each(|at| row[at].clear());
-            place(key).into_iter().for_each(|at| row[at].clone_from(&name));
+    let (fault, stop) = (Fault::default(), AtomicBool::new(false));
+    let maker = Maker { objects: &objects, is_custom, fault: &fault, stop: &stop };
+    let watch = Watch { threads, progress: progress.as_ref(), stop: &stop, fault: &fault };
+    match out {
+        Some(rows) => {
+            let to = SweepOutputs { rows: &rows, ticks: ticks.as_deref(), overwrite };
+            py.detach(|| {
+                let sweep = Sweep::open(&study, shard, to).map_err(refused)?;
+                let counts = [sweep.kept(), sweep.episodes()];
+                watch.run(counts, |on_done| sweep.run_with(&maker, on_done, &stop))
+            })?;
+            table.then(|| read(py, &rows)).transpose()
+        }
+        None => {
+            let episodes = shard.map_or(0..study.episodes(), |shard| shard.episodes(study.episodes()));
+            let counts = [0, episodes.end - episodes.start];
+            let work = |on_done: OnDone| rows_with(&study, shard, &maker, on_done, &stop);
+            let lines = py.detach(|| watch.run(counts, work))?;
+            table_of(&lines.concat()).map(Some)
         }
     }
+}
+
+/// The rows of these lines.
+fn table_of(lines: &[u8]) -> PyResult<Table> {
     let mut columns = Columns::new(&columns());
-    rows.iter().for_each(|row| columns.add(row.iter().map(String::as_str), []));
-    Table::of_rows(columns).map(Some)
+    let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(lines);
+    for row in reader.records() {
+        columns.add(&row.map_err(|error| raise::<StudyError>(&error))?, []);
+    }
+    Table::of_rows(columns)
+}
+
+/// The check that an object can decide.
+#[pyfunction]
+pub fn check_partner(given: &Bound<'_, PyAny>) -> PyResult<()> {
+    Own::of(Some(given), None).map(drop)
+}
+
+/// The table of lines of results, as `study_rows` returns them.
+#[pyfunction]
+pub fn rows_table(lines: &[u8]) -> PyResult<Table> {
+    table_of(lines)
+}
+
+/// The number of episodes of a study.
+#[pyfunction]
+#[pyo3(signature = (text, *, file, folder, seeds, policies, humans))]
+pub fn study_episodes(
+    py: Python<'_>,
+    text: &str,
+    file: &str,
+    folder: PathBuf,
+    seeds: Option<u64>,
+    policies: Vec<GivenPartner>,
+    humans: Vec<GivenPartner>,
+) -> PyResult<u64> {
+    let (partners, _) = split(policies, humans)?;
+    let study = py.detach(|| Study::parse_with(file, text, &folder, seeds, partners));
+    study.map(|study| study.episodes()).map_err(|error| raise::<StudyError>(&error))
 }
 
 /// The lines of results of the episodes from `first` to before `end`.
 #[pyfunction]
-#[pyo3(signature = (text, *, file, folder, seeds, first, end))]
+#[pyo3(signature = (text, *, file, folder, seeds, first, end, policies = Vec::new(), humans = Vec::new()))]
+#[allow(clippy::too_many_arguments, reason = "keywords")]
 pub fn study_rows<'py>(
     py: Python<'py>,
     text: &str,
@@ -173,10 +206,21 @@ pub fn study_rows<'py>(
     seeds: Option<u64>,
     first: u64,
     end: u64,
+    policies: Vec<GivenPartner>,
+    humans: Vec<GivenPartner>,
 ) -> PyResult<Bound<'py, PyBytes>> {
+    let (partners, objects) = split(policies, humans)?;
+    let (fault, stop, is_custom) = (Fault::default(), AtomicBool::new(false), partners.are_custom());
+    let maker = Maker { objects: &objects, is_custom, fault: &fault, stop: &stop };
     let rows = py.detach(|| {
-        let study = Study::parse(file, text, &folder, seeds).map_err(|error| raise::<StudyError>(&error))?;
-        guarded(|| study.rows(first..end))
+        let study = Study::parse_with(file, text, &folder, seeds, partners);
+        let study = study.map_err(|error| raise::<StudyError>(&error))?;
+        let mut rows = Vec::new();
+        for episode in first..end.min(study.episodes()) {
+            rows.extend(guarded(|| study.row(episode, &maker))?);
+            fault.take()?;
+        }
+        Ok::<_, PyErr>(rows)
     })?;
     Ok(PyBytes::new(py, &rows))
 }
@@ -188,6 +232,7 @@ pub struct Rows {
     // for Sync, which the writer of ticks is not
     sweep: Mutex<Option<Sweep<Arc<Study>>>>,
     out: PathBuf,
+    is_custom: bool,
 }
 
 impl Rows {
@@ -199,7 +244,8 @@ impl Rows {
 #[pymethods]
 impl Rows {
     #[new]
-    #[pyo3(signature = (text, *, file, folder, seeds, out, overwrite))]
+    #[pyo3(signature = (text, *, file, folder, seeds, out, overwrite, policies = Vec::new(), humans = Vec::new()))]
+    #[allow(clippy::too_many_arguments, reason = "keywords")]
     fn new(
         py: Python<'_>,
         text: &str,
@@ -208,12 +254,16 @@ impl Rows {
         seeds: Option<u64>,
         out: PathBuf,
         overwrite: bool,
+        policies: Vec<GivenPartner>,
+        humans: Vec<GivenPartner>,
     ) -> PyResult<Self> {
+        let (partners, _) = split(policies, humans)?;
+        let is_custom = partners.are_custom();
         py.detach(|| {
-            let study = Arc::new(Study::parse(file, text, &folder, seeds)?);
+            let study = Arc::new(Study::parse_with(file, text, &folder, seeds, partners)?);
             let outputs = SweepOutputs { rows: &out, ticks: None, overwrite };
             let sweep = Mutex::new(Some(Sweep::open(Arc::clone(&study), None, outputs)?));
-            Ok(Self { study, sweep, out })
+            Ok(Self { study, sweep, out, is_custom })
         })
         .map_err(|error: SweepError| raise::<StudyError>(&error))
     }
@@ -245,6 +295,9 @@ impl Rows {
 
     /// Gives the results their name, and returns them as a table if it is wanted.
     fn finish(&mut self, py: Python<'_>, table: bool) -> PyResult<Option<Table>> {
+        if self.is_custom && self.kept() < self.episodes() {
+            return Err(StudyError::new_err("episodes of custom partners are missing; append their rows first"));
+        }
         if let Some(sweep) = self.sweep().take() {
             let finished = py.detach(|| sweep.run(&|| {}, &AtomicBool::new(false)));
             finished.map_err(|error| raise::<StudyError>(&error))?;
@@ -267,93 +320,60 @@ pub fn arithmetic_stamp() -> &'static str {
     cocarry::arithmetic::stamp()
 }
 
-/// Runs the episodes of a study as `cocarry sweep` does, with its files.
-fn into_file(
-    study: &Study,
-    shard: Option<Shard>,
-    to: SweepOutputs<'_>,
+/// How a sweep is watched while it runs.
+struct Watch<'w> {
     threads: usize,
-    progress: Option<&Py<PyAny>>,
-) -> PyResult<()> {
-    let refused = |error: SweepError| raise::<StudyError>(&error);
-    let sweep = Sweep::open(study, shard, to).map_err(refused)?;
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool = pool.map_err(|error| raise::<StudyError>(&error))?;
-    let (kept, count) = (sweep.kept(), sweep.episodes());
-    let (done, stop) = (AtomicU64::new(kept), AtomicBool::new(false));
-    let on_done = || {
-        done.fetch_add(1, Ordering::Relaxed);
-    };
-    std::thread::scope(|scope| {
-        let work = scope.spawn(|| pool.install(|| guarded(|| sweep.run(&on_done, &stop))));
-        let mut told = Ok(());
-        let mut next = kept;
-        while !work.is_finished() {
-            std::thread::sleep(BETWEEN_SIGNALS);
-            let now = done.load(Ordering::Relaxed);
-            if told.is_ok() {
-                told = Python::attach(|py| {
-                    py.check_signals()?;
-                    match progress.filter(|_| now > next) {
-                        Some(progress) => progress.call1(py, (now, count)).map(drop),
-                        None => Ok(()),
-                    }
-                });
-                next = now;
-                stop.store(told.is_err(), Ordering::Relaxed);
-            }
-        }
-        let ended = work.join().unwrap_or_else(|_| Err(StudyError::new_err("the sweep failed")));
-        // what stopped the sweep is the error to raise
-        told?;
-        ended?.map_err(refused)?;
-        match progress.filter(|_| next < count) {
-            Some(progress) => Python::attach(|py| progress.call1(py, (count, count)).map(drop)),
-            None => Ok(()),
-        }
-    })
+    progress: Option<&'w Py<PyAny>>,
+    stop: &'w AtomicBool,
+    fault: &'w Fault,
 }
 
-/// The lines of all episodes, in order.
-fn run(work: &Work<'_>, threads: usize, count: u64, progress: Option<&Py<PyAny>>) -> PyResult<Vec<Vec<u8>>> {
-    let begin = work.next.load(Ordering::Relaxed);
-    let mut lines = vec![Vec::new(); usize::try_from(count).unwrap_or(0)];
-    std::thread::scope(|scope| {
-        let (sender, receiver) = mpsc::channel();
-        for _ in 0..threads.min(lines.len()) {
-            let sender = sender.clone();
-            scope.spawn(move || work.work(&sender));
-        }
-        drop(sender);
-        let (mut done, mut told) = (0, 0);
-        let stopped = loop {
-            match receiver.recv_timeout(BETWEEN_SIGNALS) {
-                Ok((episode, line)) => {
-                    lines[(episode - begin) as usize] = line;
-                    done += 1;
-                    // with many short episodes, signals and progress are not looked at after each
-                    if done - told < 1 + count / 200 {
-                        continue;
-                    }
-                }
-                Err(RecvTimeoutError::Timeout) => {}
-                Err(RecvTimeoutError::Disconnected) => break Ok(()),
-            }
-            told = done;
-            let told = Python::attach(|py| {
-                py.check_signals()?;
-                progress.map_or(Ok(()), |progress| progress.call1(py, (done, count)).map(drop))
-            });
-            if let Err(error) = told {
-                break Err(error);
-            }
+impl Watch<'_> {
+    /// Does the work on so many threads, and meanwhile looks at signals and tells the progress. What stopped
+    /// the work is the error: a signal, an exception of `progress`, then one of a custom partner.
+    fn run<T: Send>(
+        &self,
+        [kept, count]: [u64; 2],
+        work: impl FnOnce(OnDone) -> Result<T, SweepError> + Send,
+    ) -> PyResult<T> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build();
+        let pool = pool.map_err(|error| raise::<StudyError>(&error))?;
+        let done = AtomicU64::new(kept);
+        let on_done = || {
+            done.fetch_add(1, Ordering::Relaxed);
         };
-        if stopped.is_err() {
-            work.is_stopped.store(true, Ordering::Relaxed);
-        } else if let Some(progress) = progress {
-            Python::attach(|py| progress.call1(py, (done, count)))?;
+        let (mut told, mut next) = (Ok(()), kept);
+        let ended = std::thread::scope(|scope| {
+            let (sender, ended) = mpsc::channel::<()>();
+            let work = scope.spawn(|| {
+                let _sender = sender;
+                pool.install(|| guarded(|| work(&on_done)))
+            });
+            while ended.recv_timeout(BETWEEN_SIGNALS) == Err(RecvTimeoutError::Timeout) {
+                if told.is_ok() {
+                    let now = done.load(Ordering::Relaxed);
+                    told = Python::attach(|py| {
+                        py.check_signals()?;
+                        self.tell(py, (now > next).then_some(now), count)
+                    });
+                    next = now;
+                    self.stop.store(told.is_err(), Ordering::Relaxed);
+                }
+            }
+            work.join().unwrap_or_else(|_| Err(StudyError::new_err("the sweep failed")))
+        });
+        told?;
+        self.fault.take()?;
+        let found = ended?.map_err(|error| raise::<StudyError>(&error))?;
+        Python::attach(|py| self.tell(py, (next < count).then_some(count), count))?;
+        Ok(found)
+    }
+
+    /// Tells how many episodes are done, if that is news.
+    fn tell(&self, py: Python<'_>, done: Option<u64>, count: u64) -> PyResult<()> {
+        match self.progress.zip(done) {
+            Some((progress, done)) => progress.call1(py, (done, count)).map(drop),
+            None => Ok(()),
         }
-        stopped
-    })?;
-    Ok(lines)
+    }
 }

@@ -125,6 +125,31 @@ impl Table {
         Self::new([time].into_iter().chain(columns).collect())
     }
 
+    /// A table of a report.
+    pub fn of_report(table: &cocarry_studies::table::Table) -> Self {
+        let names = table.columns.iter().flat_map(|column| &column.keys);
+        let rows = table.rows.iter().map(|row| row.iter().flat_map(|cell| &cell.values).collect::<Vec<_>>());
+        let rows: Vec<Vec<&Json>> = rows.collect();
+        let columns = names.enumerate().map(|(i, name)| {
+            let cells = || rows.iter().map(|row| row[i]).filter(|cell| !cell.is_null());
+            let kind = match () {
+                () if cells().any(Json::is_string) => Kind::Text,
+                () if cells().next().is_some() && cells().all(Json::is_u64) => Kind::Count,
+                () => Kind::Number(""),
+            };
+            let mut column = Column::of(kind);
+            rows.iter().for_each(|row| column.add(&of_json(row[i])));
+            (name.clone(), column, HashMap::new())
+        });
+        Self::new(columns.collect())
+    }
+
+    /// The names of the columns, and their cells as texts.
+    pub fn texts(&self) -> (Vec<String>, Vec<Vec<String>>) {
+        let cells = |array: &ArrayRef| (0..array.len()).map(|row| Self::cell(array, row)).collect();
+        (self.columns(), self.batch.columns().iter().map(cells).collect())
+    }
+
     fn column(&self, name: &str) -> PyResult<&ArrayRef> {
         self.batch.column_by_name(name).ok_or_else(|| {
             let schema = self.batch.schema();

@@ -39,6 +39,7 @@ mod periods;
 mod physical_carrying;
 mod physics;
 mod pictures;
+mod pipes;
 mod published_urdfs;
 mod quantities;
 mod quantity_values;

@@ -18,7 +18,7 @@ use cocarry_recording::recording::{Contents, Playback, ReadError, Reader, column
 use cocarry_recording::rendering::{Width, filmstrip_svg, player};
 use cocarry_studies::fit::{AnswerFile, SwitchFile};
 use cocarry_studies::regression::Baseline;
-use cocarry_studies::study::{Study, Summary, Sweep, SweepOutputs};
+use cocarry_studies::study::{Comparing, Results, Study, Summary, Sweep, SweepOutputs};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::path::Path;
@@ -374,7 +374,7 @@ fn texts_that_are_damaged_are_read_or_refused() {
             "baseline" => Baseline::load(&path(kind)).map(drop).map_err(drop),
             "answers" => AnswerFile::read(&path(kind)).map(drop).map_err(drop),
             "switches" => SwitchFile::read(&path(kind)).map(drop).map_err(drop),
-            "rows" => Summary::load(&path(kind)).map(drop).map_err(drop),
+            "rows" => Summary::load(&[Results::File(&path(kind))], &Comparing::default()).map(drop).map_err(drop),
             "log" => serde_json::from_slice::<EpisodeLog>(bytes).map_err(drop).and_then(|log| {
                 let prepared = log.checked("log").and_then(|scenario| scenario.prepare()).map_err(drop)?;
                 let mut episode = prepared.episode_of(log.decisions.partners(&prepared)).map_err(drop)?;

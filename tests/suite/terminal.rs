@@ -53,6 +53,8 @@ fn every_output_fits_80_columns() {
         assert_eq!(too_wide(&text, 60), [""; 0], "{text}");
         assert!(refused.status.code() == Some(2) && text.starts_with("error: "), "{text}");
     }
+    // 0 columns are an unknown number
+    assert_eq!(stdout(&cocarry("0", &["worlds"])), stdout(&crate::support::cocarry(&["worlds"])));
     let help = cocarry("80", &["--help"]);
     assert!(help.status.success() && stdout(&help).contains("Usage: cocarry"));
 }

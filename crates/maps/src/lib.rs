@@ -60,11 +60,16 @@ pub fn find(path: &Path, name: &str) -> Result<World, Error> {
         );
         return Err(Error::at(Place::file(file.to_string()), sentence));
     }
-    let file = path.display().to_string();
     let text = located::read(&bounds::WORLD, path)?;
-    let source = Source { file: &file, text: &text };
-    let folder = path.parent().unwrap_or(Path::new(""));
-    World::parse(&file, &with_obstacles(source, folder)?)
+    parse(&path.display().to_string(), &text, path.parent().unwrap_or(Path::new("")))
+}
+
+/// The world of this text, which errors call `file`. A map that it names is relative to `folder`.
+///
+/// # Errors
+/// As [`World::parse`], and where the map is at fault.
+pub fn parse(file: &str, text: &str, folder: &Path) -> Result<World, Error> {
+    World::parse(file, &with_obstacles(Source { file, text }, folder)?)
 }
 
 /// Whether a file is a map by its extension: the YAML of map_server, GeoJSON or SVG.

@@ -138,6 +138,7 @@ fn submit(arguments: &SlurmArguments) -> Result<ExitCode, Failure> {
         arguments.sbatch.iter().flat_map(|text| text.split_whitespace()).map(str::to_owned).collect();
     slurm::check_options(&options).map_err(failure)?;
     let study = Study::load(file, *seeds).map_err(|error| failure(error.into()))?;
+    study.world_warnings().iter().for_each(warn);
     study.slow_drives().iter().for_each(warn);
     if *overwrite {
         refuse_queued(out)?;
@@ -325,7 +326,7 @@ fn audit(job: &Job, percent: f64, arguments: &GatherArguments) -> Result<ExitCod
     bar.finish();
     let size = sample.episodes();
     if found.is_empty() {
-        eprintln!("audit: {} run again, all rows equal", counted(size, "episode"));
+        print_message(&format!("audit: {} run again, all rows equal", counted(size, "episode")));
         return Ok(ExitCode::SUCCESS);
     }
     let of = job.description().shards;
@@ -342,11 +343,11 @@ fn audit(job: &Job, percent: f64, arguments: &GatherArguments) -> Result<ExitCod
             values.join("; ")
         ));
     }
-    eprintln!(
+    print_message(&format!(
         "audit: {} of {} differ; run the shards of these nodes again",
         found.len(),
         counted(size, "episode")
-    );
+    ));
     Ok(ExitCode::from(1))
 }
 

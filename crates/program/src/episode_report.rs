@@ -6,7 +6,6 @@ use anstyle::Style;
 use cocarry::coordination;
 use cocarry::episode::{Episode, OptionTick, Outcome, PreferenceChange, Settings, Summary, Tick};
 use cocarry::geometry::Point;
-use cocarry::policy::Method;
 use cocarry::preference::Perception;
 use cocarry::quantities::{EPISODE, Event, Severity, View};
 use cocarry::robot::Robot;
@@ -18,6 +17,8 @@ use serde_json::{Value, json};
 pub(super) struct EpisodeReport<'a> {
     pub prepared: &'a PreparedScenario,
     pub episode: &'a Episode<'a>,
+    /// The custom policy in place of the scenario's method.
+    pub policy: Option<&'a str>,
     /// The step at which the episode was resumed; `None` if it ran from its beginning.
     pub resumed: Option<u64>,
     /// The ticks of the steps from there on.
@@ -47,8 +48,8 @@ impl EpisodeReport<'_> {
         &self.prepared.scenario().settings
     }
 
-    fn method(&self) -> Method {
-        self.settings().method
+    fn method(&self) -> &str {
+        self.policy.unwrap_or_else(|| self.settings().method.name())
     }
 
     /// The robot and its setup; `None` on the planning level alone.
@@ -94,7 +95,7 @@ impl EpisodeReport<'_> {
     }
 
     pub fn track(&self) -> Track {
-        Track::new(self.method().name().to_owned(), &self.ticks, self.end())
+        Track::new(self.method().to_owned(), &self.ticks, self.end())
     }
 
     /// The target, if the team arrived there.
@@ -106,7 +107,7 @@ impl EpisodeReport<'_> {
         let (world, summary) = (self.prepared.world(), self.summary());
         let coordination::Settings { eta, initial_stubbornness } = self.settings().coordination;
         let mut text = format!("{} ({})\n", world.name, world.file);
-        let method = self.method().name();
+        let method = self.method();
         let from =
             self.resumed.map_or("the start".to_owned(), |step| format!("step {step}, where the run resumed"));
         let Perception { alpha, gamma } = self.prepared.scenario().human;
@@ -191,7 +192,7 @@ impl EpisodeReport<'_> {
             "file": world.file,
             "human": { "alpha": scenario.human.alpha, "gamma": scenario.human.gamma },
             "preference_changes": self.changes_as_json(),
-            "method": settings.method.name(),
+            "method": self.method(),
             "eta": settings.coordination.eta,
             "initial_stubbornness": settings.coordination.initial_stubbornness,
             "risk_weight_m": settings.predictor.risk_weight(),

@@ -4,6 +4,8 @@ mod calibrate;
 mod catalog;
 mod catalog_robots;
 mod cluster;
+mod compare;
+mod custom;
 mod demo;
 mod episode_report;
 mod export;
@@ -46,6 +48,8 @@ mod world;
 mod worlds;
 pub mod xacro;
 
+pub use custom::{CustomPolicies, provide};
+
 use clap::error::ContextKind;
 use clap::{CommandFactory, Parser, Subcommand};
 use output::Failure;
@@ -66,6 +70,9 @@ use std::process::ExitCode;
 struct ProgramArguments {
     #[command(subcommand)]
     command: Option<Command>,
+    /// No warnings, notes and progress bars on standard error; errors are printed
+    #[arg(short, long, global = true)]
+    quiet: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -81,6 +88,7 @@ enum Command {
     Sweep(sweep::SweepArguments),
     #[command(subcommand)]
     Cluster(cluster::Action),
+    Compare(compare::CompareArguments),
     Plot(plot::PlotArguments),
     #[command(subcommand)]
     Reproduce(reproduce::Claim),
@@ -119,6 +127,7 @@ fn after_help() -> String {
         ("cocarry new kitchen", "a world, a robot and a study to start from"),
         ("cocarry robot init robot.urdf", "a robot file for your URDF"),
         ("cocarry sweep kitchen/study.toml", "a study of many episodes, as CSV"),
+        ("cocarry compare study.csv", "its methods, pair by pair"),
         ("cocarry cluster slurm study.toml -o study.csv", "the same on a cluster"),
         ("cocarry run --record run.mcap", "a recording, to watch in Foxglove"),
         ("cocarry inspect run.mcap", "contents of a recording"),
@@ -154,6 +163,7 @@ pub fn main_of(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Ok(arguments) => arguments,
         Err(error) => return refused(&error),
     };
+    output::be_quiet(arguments.quiet);
     let done = match arguments.command {
         None => run::example(),
         Some(Command::Run(arguments)) => run::run_episode(&arguments),
@@ -166,6 +176,7 @@ pub fn main_of(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Some(Command::Export(arguments)) => export::run_export(&arguments),
         Some(Command::Sweep(arguments)) => sweep::run_sweep(&arguments),
         Some(Command::Cluster(action)) => cluster::run_cluster(&action),
+        Some(Command::Compare(arguments)) => compare::run_compare(&arguments),
         Some(Command::Plot(arguments)) => plot::run_plot(&arguments),
         Some(Command::Reproduce(claim)) => reproduce::run_reproduce(&claim),
         Some(Command::Inspect(arguments)) => inspect::run_inspect(&arguments),
@@ -192,10 +203,11 @@ pub fn main_of(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
                     return ExitCode::from(130);
                 }
             };
-            // a broken pipe is not an error: the reader has closed it
-            if !output::is_broken_pipe(&error) {
-                output::print_error(&format_args!("{error:#}"));
+            // the reader of standard output has what it wanted
+            if output::is_closed_output(&error) {
+                return ExitCode::SUCCESS;
             }
+            output::print_error(&format_args!("{error:#}"));
             ExitCode::from(code)
         }
     }
@@ -207,7 +219,7 @@ fn refused(error: &clap::Error) -> ExitCode {
         error.exit()
     }
     let text = not_whole(error).as_ref().unwrap_or(error).render().ansi().to_string();
-    anstream::eprint!("{}", terminal::wrapped(&text, terminal::error_width()));
+    output::write_error(&terminal::wrapped(&text, terminal::error_width()));
     ExitCode::from(2)
 }
 
@@ -247,6 +259,7 @@ mod tests {
                 "live_origin",
                 "live_rate",
                 "live_wait",
+                "quiet",
                 "help",
             ];
             let goes_along = goes_along.iter().any(|id| argument.get_id() == id);

@@ -9,6 +9,7 @@ use cocarry::episode::PreferenceChange;
 use cocarry::preference::{self, Belief, Marginal, Perception, Predictor, WeightedSample};
 use cocarry::scenario::{BELIEF_LAPSE, BELIEF_RATIONALITY, PERCEPTION, RISK_WEIGHT};
 use cocarry::world::World;
+use cocarry_studies::fit::read_csv_text;
 use cocarry::{bounds, located};
 use std::path::{Path, PathBuf};
 
@@ -68,8 +69,10 @@ impl BeliefArguments {
 
 fn samples(file: &Path) -> anyhow::Result<Belief> {
     let name = || file.display().to_string();
-    let text = located::read(&bounds::TABLE, file)?;
-    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let (text, delimiter) = read_csv_text(file)?;
+    // numbers only: commas are decimal points where they do not separate
+    let text = if delimiter == b',' { text } else { text.replace(',', ".") };
+    let mut reader = csv::ReaderBuilder::new().delimiter(delimiter).from_reader(text.as_bytes());
     let samples = reader
         .deserialize()
         .map(|row: Result<SampleRow, csv::Error>| {
@@ -83,8 +86,21 @@ fn samples(file: &Path) -> anyhow::Result<Belief> {
     Belief::samples(samples).with_context(name)
 }
 
-/// The world in a file, which may name a map, in a folder of `cocarry new`, or a built-in world by its name.
+/// The world in a file, which may name a map, in a folder of `cocarry new`, a built-in world by its name, or,
+/// for `-`, the world on standard input.
 pub(super) fn load_world(path: &Path) -> Result<World, Failure> {
+    if path == Path::new("-") {
+        let world = located::read_input(&bounds::WORLD)
+            .and_then(|text| cocarry_maps::parse(located::STANDARD_INPUT, &text, Path::new("")));
+        let world = world.map_err(input)?;
+        world.warnings().iter().for_each(warn);
+        return Ok(world);
+    }
+    load_world_file(path)
+}
+
+/// As [`load_world`], but never from standard input: of a name in a file.
+fn load_world_file(path: &Path) -> Result<World, Failure> {
     let path = &file_kind::within(path, FileKind::World);
     let world = cocarry_maps::find(path, &path.to_string_lossy());
     let world = world.map_err(|error| file_kind::refused(path, FileKind::World, error.into()))?;
@@ -96,7 +112,7 @@ pub(super) fn load_world(path: &Path) -> Result<World, Failure> {
 /// [`load_world`].
 pub(super) fn load_world_near(folder: &Path, name: &str) -> Result<World, Failure> {
     let sibling = folder.join(name);
-    if sibling.is_file() { load_world(&sibling) } else { load_world(Path::new(name)) }
+    if sibling.is_file() { load_world_file(&sibling) } else { load_world_file(Path::new(name)) }
 }
 
 /// The value of alpha or gamma in `text`.

@@ -11,8 +11,10 @@ use cocarry_output::output_file::{OutputError, Outputs};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
@@ -69,12 +71,15 @@ pub(super) fn print_for_programs(text: &str) -> Result<(), Failure> {
     write_out(&visible(text))
 }
 
+/// What errors call standard output.
+const STANDARD_OUTPUT: &str = "standard output";
+
 fn write_out(text: &str) -> Result<(), Failure> {
     // removes colours in a pipe, and with NO_COLOR
     let mut out = anstream::stdout().lock();
     out.write_all(text.as_bytes())
         .and_then(|()| out.flush())
-        .context("standard output")
+        .context(STANDARD_OUTPUT)
         .map_err(Failure::Output)
 }
 
@@ -83,9 +88,10 @@ pub(super) fn print_json(value: &serde_json::Value) -> Result<(), Failure> {
     print_for_programs(&format!("{value:#}\n"))
 }
 
-pub(super) fn is_broken_pipe(error: &Error) -> bool {
+/// Whether an error is that the reader of standard output has closed it, as `head` does.
+pub(super) fn is_closed_output(error: &Error) -> bool {
     let io = error.downcast_ref::<std::io::Error>();
-    io.is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
+    error.to_string() == STANDARD_OUTPUT && io.is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
 }
 
 /// The failure to write a file: bad input where the name is wrong.
@@ -166,7 +172,12 @@ pub(super) fn print_error(error: &impl std::fmt::Display) {
 }
 
 fn print_on_error(text: &Text) {
-    anstream::eprint!("{}", text.shown(terminal::error_width(), of_bounded_lines));
+    write_error(&text.shown(terminal::error_width(), of_bounded_lines));
+}
+
+/// Writes text to standard error. If that is closed, there is nobody to tell.
+pub(super) fn write_error(text: &str) {
+    let _ = anstream::stderr().lock().write_all(text.as_bytes());
 }
 
 /// Visible text whose lines are cut, and end.
@@ -185,13 +196,33 @@ pub(super) fn counted(number: impl TryInto<u64>, noun: &str) -> String {
     format!("{number} {noun}{}", if number == 1 { "" } else { "s" })
 }
 
-/// Prints a warning. The command continues.
+/// Whether warnings, notes and progress are left out.
+static IS_QUIET: AtomicBool = AtomicBool::new(false);
+
+/// Leaves warnings, notes and progress out, or not.
+pub(super) fn be_quiet(is_quiet: bool) {
+    IS_QUIET.store(is_quiet, Ordering::Relaxed);
+}
+
+fn is_quiet() -> bool {
+    IS_QUIET.load(Ordering::Relaxed)
+}
+
+/// Prints a warning, once. The command continues.
 pub(super) fn warn(warning: &impl std::fmt::Display) {
-    print_on_error(&Text::headed(ATTENTION, &format!("warning: {warning}")));
+    static WARNED: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
+    let warning = format!("warning: {warning}");
+    let is_new = WARNED.lock().is_ok_and(|mut warned| warned.insert(warning.clone()));
+    if is_new && !is_quiet() {
+        print_on_error(&Text::headed(ATTENTION, &warning));
+    }
 }
 
 /// Prints a note: something that a user may not expect.
 pub(super) fn note(note: &impl std::fmt::Display) {
+    if is_quiet() {
+        return;
+    }
     print_on_error(&Text::headed(ATTENTION, &format!("note: {note}")));
 }
 
@@ -230,6 +261,11 @@ pub(super) fn examples(all: &[(&str, &str)]) -> String {
 /// A parser of the name of an SVG file.
 pub(super) fn svg_file(name: &str) -> Result<PathBuf, String> {
     file_with_extension("svg", name)
+}
+
+/// A parser of the name of an XML file.
+pub(super) fn xml_file(name: &str) -> Result<PathBuf, String> {
+    file_with_extension("xml", name)
 }
 
 /// A parser of the name of a TOML file.
@@ -277,7 +313,8 @@ impl Progress {
     /// Counts one finished unit of work.
     pub fn step(&self) {
         self.bar.inc(1);
-        if self.begun.elapsed() >= Duration::from_secs(2) && !self.is_shown.swap(true, Ordering::Relaxed) {
+        let is_due = !is_quiet() && self.begun.elapsed() >= Duration::from_secs(2);
+        if is_due && !self.is_shown.swap(true, Ordering::Relaxed) {
             self.bar.set_draw_target(ProgressDrawTarget::stderr());
         }
     }
@@ -295,7 +332,7 @@ pub(super) fn with_spinner<T>(what: &str, work: impl FnOnce() -> T) -> T {
     std::thread::scope(|scope| {
         let (done, is_done) = std::sync::mpsc::channel::<()>();
         scope.spawn(move || {
-            if is_done.recv_timeout(QUIET_TIME) == Err(RecvTimeoutError::Timeout) {
+            if is_done.recv_timeout(QUIET_TIME) == Err(RecvTimeoutError::Timeout) && !is_quiet() {
                 let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");
                 let line = ProgressBar::new_spinner().with_message(what.to_owned()).with_elapsed(QUIET_TIME);
                 line.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));

@@ -5,7 +5,7 @@ use super::output::{Failure, input, mcap_file, unwritten};
 use super::render::{Form, Target};
 use clap::Args;
 use cocarry::episode::Episode;
-use cocarry::scenario::PreparedScenario;
+use cocarry::scenario::{Decisions, PreparedScenario};
 use cocarry_output::output_file::Outputs;
 use cocarry_recording::recording::{Ending, FileRecorder, Reader, Recorder, RecordingError};
 use std::io::Cursor;
@@ -41,20 +41,21 @@ impl RecordArguments {
         self.render.as_ref().map(|target| &target.file)
     }
 
-    /// Begins the recording before the first step.
+    /// Begins the recording before the first step, with the log of custom partners.
     pub fn begin<'a>(
         &self,
         prepared: &'a PreparedScenario,
         episode: &Episode,
+        decisions: &Decisions,
         overwrite: bool,
     ) -> Result<Recording<'a>, Failure> {
         let file = self.record.as_ref().map(|file| {
             let recorder = FileRecorder::create(file, overwrite, prepared, episode).map_err(output)?;
-            Ok((file.clone(), recorder))
+            Ok((file.clone(), recorder.logging(decisions.clone())))
         });
         let in_memory = self.render.as_ref().map(|target| {
             let recorder = Recorder::new(Cursor::default(), IN_MEMORY, prepared, episode).map_err(output)?;
-            Ok((target.clone(), recorder))
+            Ok((target.clone(), recorder.logging(decisions.clone())))
         });
         Ok(Recording { file: file.transpose()?, in_memory: in_memory.transpose()? })
     }

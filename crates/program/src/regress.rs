@@ -1,7 +1,8 @@
 //! `cocarry regress`: records the figures of a baseline's runs, or checks them against those recorded.
 
 use super::output::{
-    Failure, counted, examples, input, print_json, print_verdict, table, table_text, unwritten, write_file,
+    Failure, OverwriteArguments, counted, examples, input, print_json, print_verdict, table, table_text,
+    unwritten, write_error, write_file, xml_file,
 };
 use super::reproduce::Common;
 use super::scenario::ScenarioArguments;
@@ -10,6 +11,7 @@ use clap::error::ContextKind;
 use clap::{ArgAction, Args, CommandFactory, Parser, Subcommand};
 use cocarry::scenario::Scenario;
 use cocarry::suggestion::shell_word;
+use cocarry_output::html::escaped;
 use cocarry_output::output_file::Outputs;
 use cocarry_studies::regression::{Baseline, FORMAT, Figure, Figures, Moved, Run, Value, moved, run_all};
 use serde_json::json;
@@ -23,8 +25,33 @@ pub(super) enum Action {
     #[command(after_help = examples(&[("cocarry regress record costs.toml", "after a change that is meant")]))]
     Record(RegressArguments),
     /// Run all runs, and list the figures that differ from those recorded; exit code 1 if there are any
-    #[command(after_help = examples(&[("cocarry regress check costs.toml", "in continuous integration")]))]
-    Check(RegressArguments),
+    #[command(after_help = examples(&[
+        ("cocarry regress check costs.toml", "in continuous integration"),
+        ("cocarry regress check costs.toml --junit costs.xml --github", "with reports for the server"),
+    ]))]
+    Check(CheckArguments),
+}
+
+/// Other forms of the report of a check, for continuous integration.
+#[derive(Args, Debug)]
+pub(super) struct ReportArguments {
+    /// Write the report of the runs into this file, as JUnit XML
+    #[arg(long, value_name = "FILE", value_parser = xml_file)]
+    junit: Option<PathBuf>,
+    /// Print an annotation of the baseline file for every run that moved, as GitHub Actions take them, on
+    /// standard error
+    #[arg(long)]
+    github: bool,
+    #[command(flatten)]
+    overwrite: OverwriteArguments,
+}
+
+#[derive(Args, Debug)]
+pub(super) struct CheckArguments {
+    #[command(flatten)]
+    runs: RegressArguments,
+    #[command(flatten)]
+    reports: ReportArguments,
 }
 
 #[derive(Args, Debug)]
@@ -47,9 +74,12 @@ struct BaselineRunArguments {
 const FILES: [&str; 3] = ["world", "robot", "belief-samples"];
 
 pub(super) fn run_regress(action: &Action) -> Result<ExitCode, Failure> {
-    let (Action::Record(arguments) | Action::Check(arguments)) = action;
+    let (arguments, reports) = match action {
+        Action::Record(arguments) => (arguments, None),
+        Action::Check(CheckArguments { runs, reports }) => (runs, Some(reports)),
+    };
     let baseline = Baseline::load(&arguments.file).map_err(input)?;
-    let is_check = matches!(action, Action::Check(_));
+    let is_check = reports.is_some();
     let folder = arguments.file.parent().unwrap_or(Path::new(""));
     let scenarios = baseline.runs.iter().map(|run| scenario(&baseline.file, folder, run));
     let scenarios = scenarios.collect::<Result<Vec<_>, _>>()?;
@@ -74,6 +104,11 @@ pub(super) fn run_regress(action: &Action) -> Result<ExitCode, Failure> {
         let robot = robot.into_iter().flat_map(|robot| [&robot.file, &robot.urdf_file]);
         std::iter::once(scenario.world.file()).chain(robot.map(String::as_str)).map(PathBuf::from)
     });
+    let read: Vec<PathBuf> = read.collect();
+    if let Some(ReportArguments { junit, overwrite, .. }) = reports {
+        let inputs = read.iter().chain([&arguments.file]).map(PathBuf::as_path);
+        overwrite.outputs(inputs, junit)?;
+    }
     let outputs = Outputs::new(true, read);
     if !is_check {
         outputs.check(&arguments.file).map_err(unwritten)?;
@@ -91,6 +126,9 @@ pub(super) fn run_regress(action: &Action) -> Result<ExitCode, Failure> {
     if !is_check {
         write_file(&outputs, &arguments.file, baseline.recorded(&figures).map_err(input)?)?;
     }
+    if let Some(reports) = reports {
+        reports.write(&baseline, &arguments.file, &found)?;
+    }
     let compared = figures.iter().map(Vec::len).sum();
     match arguments.common.json {
         true => print_json(&json!({
@@ -103,6 +141,69 @@ pub(super) fn run_regress(action: &Action) -> Result<ExitCode, Failure> {
         }
     }
     Ok(if is_check && !found.is_empty() { ExitCode::from(1) } else { ExitCode::SUCCESS })
+}
+
+impl ReportArguments {
+    /// Writes the reports that are asked for. The names of their files are checked.
+    fn write(&self, baseline: &Baseline, file: &Path, found: &[Moved]) -> Result<(), Failure> {
+        let moved = |run: &Run| found.iter().filter(|moved| moved.run == run.name).map(in_words).collect();
+        let runs: Vec<(&Run, Vec<String>)> = baseline.runs.iter().map(|run| (run, moved(run))).collect();
+        if let Some(path) = &self.junit {
+            let outputs = self.overwrite.outputs([file], [path])?;
+            write_file(&outputs, path, junit(&baseline.file, &runs))?;
+        }
+        if self.github {
+            let annotation = |(run, moved): &(&Run, Vec<String>)| {
+                let [file, name] = [&baseline.file, &run.name].map(|text| percent_encoded(text, ":,"));
+                let sentence = percent_encoded(&moved.join("\n"), "");
+                format!("::error file={file},line={},title={name}::{sentence}\n", run.line)
+            };
+            write_error(&runs.iter().filter(|(_, moved)| !moved.is_empty()).map(annotation).collect::<String>());
+        }
+        Ok(())
+    }
+}
+
+/// A figure that moved, in a line.
+fn in_words(moved: &Moved) -> String {
+    let figure = |figure: &Option<Figure>| figure.as_ref().map_or("none".to_owned(), Figure::cell);
+    format!("{}: recorded {}, now {}", moved.figure, figure(&moved.recorded), figure(&moved.now))
+}
+
+/// The runs as JUnit's XML: each a test, which fails where a figure moved.
+fn junit(file: &str, runs: &[(&Run, Vec<String>)]) -> String {
+    let case = |(run, moved): &(&Run, Vec<String>)| {
+        let case = format!(
+            "    <testcase classname=\"{file}\" name=\"{}\" file=\"{file}\" line=\"{}\"",
+            escaped(&run.name),
+            run.line,
+            file = escaped(file),
+        );
+        match moved.is_empty() {
+            true => format!("{case}/>\n"),
+            false => format!(
+                "{case}>\n      <failure message=\"{} moved\">{}</failure>\n    </testcase>\n",
+                counted(moved.len(), "figure"),
+                escaped(&moved.join("\n"))
+            ),
+        }
+    };
+    let failures = runs.iter().filter(|(_, moved)| !moved.is_empty()).count();
+    format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n  <testsuite name=\"cocarry regress check\" tests=\"{}\" failures=\"{failures}\">\n{}  </testsuite>\n</testsuites>\n",
+        runs.len(),
+        runs.iter().map(case).collect::<String>()
+    )
+}
+
+/// A text for an annotation, with line breaks, percent signs and these characters by their codes.
+fn percent_encoded(text: &str, also: &str) -> String {
+    let encoded = |c: char| match c {
+        '%' | '\r' | '\n' => format!("%{:02X}", c as u32),
+        _ if also.contains(c) => format!("%{:02X}", c as u32),
+        _ => String::from(c),
+    };
+    text.chars().map(encoded).collect()
 }
 
 fn place(file: &str, line: usize, name: &str) -> String {
@@ -159,6 +260,10 @@ fn scenario(file: &str, folder: &Path, run: &Run) -> Result<Scenario, Failure> {
         let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
         input(anyhow!("{}: {said}", place(file, line, &run.name)))
     })?;
+    if let Some(name) = arguments.scenario.custom_policy() {
+        let sentence = "figures are of the program's methods only";
+        return Err(input(anyhow!("{}: method = {name:?}: {sentence}", place(file, run.line, &run.name))));
+    }
     arguments.scenario.scenario().map_err(|failure| match failure {
         Failure::Input(error) => Failure::Input(error.context(place(file, run.line, &run.name))),
         other => other,

@@ -1,11 +1,14 @@
 //! `cocarry replay`: runs the scenario of a recording, or of a log from the page, again, and compares.
 
-use super::output::{Failure, OverwriteArguments, counted, examples, input, mcap_file, print_verdict};
+use super::output::{
+    Failure, OverwriteArguments, counted, examples, input, mcap_file, print_json, print_verdict,
+};
 use super::replay_log::run_log;
 use anyhow::anyhow;
 use clap::Args;
 use cocarry::arithmetic;
 use cocarry_recording::recording::{Reader, Verdict, replay};
+use serde_json::json;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -22,6 +25,9 @@ pub(super) struct ReplayArguments {
     /// Record the episode of a log into this MCAP file
     #[arg(long, value_name = "FILE", value_parser = mcap_file)]
     pub record: Option<PathBuf>,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    pub json: bool,
     #[command(flatten)]
     pub overwrite: OverwriteArguments,
 }
@@ -38,6 +44,29 @@ pub(super) fn run_replay(arguments: &ReplayArguments) -> Result<ExitCode, Failur
     let replayed = replay(open()?, open()?).map_err(input)?;
     let file = arguments.file.display();
     let ours = arithmetic::stamp();
+    if arguments.json {
+        let (verdict, difference) = match &replayed.verdict {
+            Verdict::Identical => ("identical", None),
+            Verdict::IdenticalUntilCut => ("identical-until-cut", None),
+            Verdict::Different(difference) => ("different", Some(difference)),
+        };
+        print_json(&json!({
+            "file": file.to_string(),
+            "verdict": verdict,
+            "same_messages": replayed.same,
+            "until_s": replayed.until as f64 / 1e9,
+            "arithmetic": { "recorded": replayed.arithmetic, "here": ours },
+            "difference": difference.map(|difference| json!({
+                "step": replayed.step,
+                "time_s": difference.time as f64 / 1e9,
+                "topic": difference.topic,
+                "field": difference.field,
+                "recorded": difference.recorded,
+                "run_again": difference.expected,
+            })),
+        }))?;
+        return Ok(if difference.is_some() { ExitCode::from(1) } else { ExitCode::SUCCESS });
+    }
     let other = match replayed.arithmetic.as_deref() {
         Some(theirs) if theirs == ours => String::new(),
         Some(theirs) => format!(

@@ -1,7 +1,7 @@
 //! `cocarry replay LOG.json`: runs the episode of a log from the page again, and compares the digests of its
 //! state.
 
-use super::output::{Failure, counted, input, print_verdict};
+use super::output::{Failure, counted, input, print_json, print_verdict};
 use super::record::output;
 use super::replay::ReplayArguments;
 use anyhow::Context;
@@ -13,6 +13,7 @@ use cocarry::options::{Crossing, OptionSet};
 use cocarry::scenario::{EpisodeLog, PreparedScenario};
 use cocarry::{bounds, located};
 use cocarry_recording::recording::{Ending, FileRecorder};
+use serde_json::json;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -23,6 +24,17 @@ pub(super) fn run_log(arguments: &ReplayArguments) -> Result<ExitCode, Failure> 
     let record = arguments.record.as_deref().map(|file| (file, arguments.overwrite.overwrite));
     let Replayed { same, difference, steps, seconds, .. } = replayed(&log, &name, record)?;
     let ours = arithmetic::stamp();
+    if arguments.json {
+        print_json(&json!({
+            "file": name,
+            "verdict": if difference.is_none() { "identical" } else { "different" },
+            "same_digests": same,
+            "until_s": seconds,
+            "arithmetic": { "recorded": log.arithmetic, "here": ours },
+            "difference": difference.as_ref().map(|difference| json!({ "step": steps, "digest": difference })),
+        }))?;
+        return Ok(if difference.is_some() { ExitCode::from(1) } else { ExitCode::SUCCESS });
+    }
     let other = match &*log.arithmetic {
         theirs if theirs.is_empty() || theirs == ours => String::new(),
         theirs => format!(

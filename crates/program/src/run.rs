@@ -1,22 +1,23 @@
 //! `cocarry run`: runs one episode and reports, tabulates, draws or records it.
 
+use super::custom;
 use super::episode_report::EpisodeReport;
 use super::interrupt::Interrupt;
 use super::live::LiveArguments;
 use super::output::{
-    Failure, OverwriteArguments, Progress, examples, print, print_json, print_message, print_text, svg_file,
-    warn, with_spinner, write_file,
+    Failure, OverwriteArguments, Progress, examples, input, print, print_json, print_message, print_text,
+    svg_file, warn, with_spinner, write_file,
 };
 use super::record::RecordArguments;
 use super::scenario::ScenarioArguments;
 use super::snapshots::{Saves, SnapshotArguments};
 use super::tick_log;
-use anyhow::Context;
+use anyhow::{Context, anyhow};
 use clap::Args;
 use cocarry::episode::{Outcome, State, Summary};
 use cocarry::preference::Perception;
 use cocarry::quantities::View;
-use cocarry::scenario::{Scenario, Snapshot};
+use cocarry::scenario::{Decisions, Scenario, Snapshot};
 use cocarry_output::drawing;
 use cocarry_output::output_file::Outputs;
 use cocarry_recording::recording::Ending;
@@ -111,12 +112,19 @@ fn carry_out(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     let refused = |error| arguments.snapshots.refused(error);
     let prepared = with_spinner("preparing the world", || scenario.prepare()).map_err(refused)?;
     prepared.warnings().iter().for_each(warn);
-    let episode = match state {
-        None => prepared.episode(),
-        Some(state) => prepared.resume(state),
+    let policy = arguments.scenario.custom_policy();
+    let begun = match state {
+        None => custom::begin(policy, &prepared),
+        Some(state) => prepared.resume(state).map(|episode| (episode, Decisions::default())),
     };
-    let mut episode = episode.map_err(refused)?;
+    let (mut episode, decisions) = begun.map_err(refused)?;
     let mut saves = arguments.snapshots.saves(resumed)?;
+    if let Some((name, file)) = policy.zip(saves.files().next()) {
+        return Err(input(anyhow!(
+            "--save-at {}: a snapshot does not have the code of the policy `{name}`; Episode.snapshot of the Python package has its state",
+            file.display()
+        )));
+    }
     let outputs = arguments.outputs(prepared.scenario(), &saves)?;
     let mut ticks = Vec::new();
     let mut log = arguments.ticks.as_ref().map(tick_log::File::begin);
@@ -124,9 +132,11 @@ fn carry_out(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     saves.write(&outputs, &prepared, &episode)?;
     let interrupt = Interrupt::caught()?;
     let mut viewers = arguments.live.begin(&prepared, &episode, &interrupt)?;
-    let mut recording = arguments.recording.begin(&prepared, &episode, arguments.overwrite.overwrite)?;
+    let overwrite = arguments.overwrite.overwrite;
+    let mut recording = arguments.recording.begin(&prepared, &episode, &decisions, overwrite)?;
     viewers.iter_mut().for_each(|viewers| viewers.await_first());
     while !interrupt.is_set() && episode.step().is_none() {
+        custom::check()?;
         recording.step(&episode)?;
         if let Some(viewers) = &mut viewers {
             viewers.step(&episode);
@@ -139,6 +149,7 @@ fn carry_out(arguments: &RunArguments) -> Result<ExitCode, Failure> {
         bar.step();
     }
     bar.finish();
+    custom::check()?;
     let Summary { steps, outcome, .. } = *episode.summary();
     let is_interrupted = interrupt.is_set();
     let ending = if is_interrupted { Ending::Interrupted } else { Ending::Over(outcome) };
@@ -146,7 +157,7 @@ fn carry_out(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     if let Some(viewers) = &mut viewers {
         viewers.end(&episode, ending);
     }
-    let report = EpisodeReport { prepared: &prepared, episode: &episode, resumed, ticks };
+    let report = EpisodeReport { prepared: &prepared, episode: &episode, policy, resumed, ticks };
     log.map_or(Ok(()), |log| log.finish(&outputs))?;
     if let Some(path) = &arguments.svg {
         let svg = drawing::adaptation(

@@ -17,7 +17,7 @@ const ROBOT: &str = Group::Robot.title();
 /// World, human, team and plant.
 #[derive(Args, Debug)]
 pub(super) struct ScenarioArguments {
-    /// World file (TOML), or a built-in world: see `cocarry worlds`
+    /// World file (TOML), a built-in world (see `cocarry worlds`), or - for a world file on standard input
     #[arg(default_value = "environment-4")]
     world: PathBuf,
     /// The human's perception of distance: alpha in D^alpha [default: drawn from the belief]
@@ -58,6 +58,11 @@ impl ScenarioArguments {
     /// The robot's file, if it is not the built-in robot.
     pub fn robot(&self) -> Option<&Path> {
         self.robot.robot.as_deref()
+    }
+
+    /// The custom policy that takes the place of the scenario's method.
+    pub fn custom_policy(&self) -> Option<&str> {
+        self.settings.custom_policy.as_deref()
     }
 
     /// The scenario of these arguments; reads its files.

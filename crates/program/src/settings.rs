@@ -1,10 +1,13 @@
 //! The command-line arguments of the table of settings: one for each, with its words, range and default.
 
+use super::custom;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use cocarry::scenario::{AVOID, Group, Kind, PERIOD, PlantKind, SETTINGS, Scenario, Setting, Value};
 use std::borrow::Cow;
 
+/// The key of the setting of the robot's method.
+const METHOD: &str = "method";
 /// A flag that means `--avoid nothing`.
 const NO_OBSTACLES: &str = "no-obstacles";
 
@@ -12,6 +15,8 @@ const NO_OBSTACLES: &str = "no-obstacles";
 #[derive(Clone, Debug)]
 pub(super) struct SettingArguments {
     given: Vec<(&'static Setting, &'static str, Value)>,
+    /// The custom policy that takes the place of a method.
+    pub custom_policy: Option<String>,
 }
 
 impl SettingArguments {
@@ -66,7 +71,12 @@ impl FromArgMatches for SettingArguments {
         if matches.get_flag("no_obstacles") {
             given.push((&AVOID, NO_OBSTACLES, Value::Text("nothing".to_owned())));
         }
-        Ok(Self { given })
+        let is_custom = |(setting, _, value): &(&Setting, &str, Value)| {
+            setting.key == METHOD && custom::has(&value.to_string())
+        };
+        let at = given.iter().position(is_custom);
+        let custom_policy = at.map(|at| given.remove(at).2.to_string());
+        Ok(Self { given, custom_policy })
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
@@ -92,8 +102,17 @@ fn argument(setting: &'static Setting, defaults: &Scenario) -> Arg {
     let argument = argument.help(format!("{}{default}", setting.about));
     match setting.words() {
         None => argument.value_parser(|text: &str| setting.parse(text)),
+        Some(words) if setting.key == METHOD => {
+            argument.value_parser(named(words.into_iter().chain(custom::list())).map(Value::Text))
+        }
         Some(words) => argument.value_parser(named(words).map(Value::Text)),
     }
+}
+
+/// A parser of the name of a method or a custom policy.
+pub(super) fn methods() -> PossibleValuesParser {
+    let methods = SETTINGS.iter().find(|setting| setting.key == METHOD).and_then(Setting::words);
+    named(methods.into_iter().flatten().chain(custom::list()))
 }
 
 /// A parser that accepts one of several words.

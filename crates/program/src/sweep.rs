@@ -1,17 +1,20 @@
 //! `cocarry sweep`: runs a study, merges the shards of a study, and prints summaries.
 
+use super::custom::NamedPolicies;
 use super::file_kind::{self, FileKind};
 use super::interrupt::Interrupt;
 use super::output::{
-    Failure, Progress, counted, examples, input, note, print, print_json, table, table_text, unwritten, warn,
+    Failure, Progress, counted, examples, input, note, print, print_json, table, table_text, table_with_notes,
+    unwritten, warn,
 };
 use super::reproduce::Common;
+use super::settings::methods;
 use anyhow::Error;
 use clap::Args;
 use cocarry_output::output_file::Outputs;
 use cocarry_studies::statistics::Estimate;
 use cocarry_studies::study::{
-    Comparison, Group, Shard, Study, Summary, Sweep, SweepError, SweepOutputs, complete_rows, merge,
+    Comparing, Group, Results, Shard, Study, Summary, Sweep, SweepError, SweepOutputs, complete_rows, merge,
 };
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -48,6 +51,10 @@ pub(super) struct SweepArguments {
     /// Run only shard I of N, such as 3/16, for job arrays; --merge joins the shards
     #[arg(long, value_name = "I/N", value_parser = shard, conflicts_with_all = ["merge", "summary"])]
     shard: Option<Shard>,
+    /// Method or custom policy in place of the study's `methods`; may be repeated, to run all with the same
+    /// humans
+    #[arg(long, value_name = "WORD", value_parser = methods(), conflicts_with_all = ["merge", "summary"])]
+    method: Vec<String>,
     /// Largest number of seeds of every run in the study [default: all]
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000), conflicts_with_all = ["merge", "summary"])]
     seeds: Option<u64>,
@@ -84,8 +91,10 @@ pub(super) fn run_sweep(arguments: &SweepArguments) -> Result<ExitCode, Failure>
 
 fn sweep(arguments: &SweepArguments, file: &Path) -> Result<(), Failure> {
     let file = &file_kind::within(file, FileKind::Study);
-    let study = Study::load(file, arguments.seeds);
+    let policies = NamedPolicies::new(&arguments.method);
+    let study = Study::load_with(file, arguments.seeds, policies.partners()?);
     let study = study.map_err(|error| file_kind::refused(file, FileKind::Study, error.into()))?;
+    study.world_warnings().iter().for_each(warn);
     study.slow_drives().iter().for_each(warn);
     study.robot_warnings().iter().for_each(warn);
     let out = arguments.output.clone().unwrap_or_else(|| results_of(file, arguments.shard));
@@ -98,7 +107,7 @@ fn sweep(arguments: &SweepArguments, file: &Path) -> Result<(), Failure> {
     };
     let (kept, episodes) = match complete {
         Some(rows) => (rows, rows),
-        None => run_episodes(arguments, &study, &out)?,
+        None => run_episodes(arguments, &study, &policies, &out)?,
     };
     let mut title = format!(
         "{}: {} of {}",
@@ -122,14 +131,21 @@ fn sweep(arguments: &SweepArguments, file: &Path) -> Result<(), Failure> {
 }
 
 /// Runs the episodes that have no rows yet. Returns the number of those that had, and of all.
-fn run_episodes(arguments: &SweepArguments, study: &Study, out: &Path) -> Result<(u64, u64), Failure> {
+fn run_episodes(
+    arguments: &SweepArguments,
+    study: &Study,
+    policies: &NamedPolicies,
+    out: &Path,
+) -> Result<(u64, u64), Failure> {
     let to = SweepOutputs { rows: out, ticks: arguments.ticks.as_deref(), overwrite: arguments.overwrite };
     let sweep = Sweep::open(study, arguments.shard, to).map_err(failure)?;
     let (kept, episodes) = (sweep.kept(), sweep.episodes());
     let bar = Progress::new((episodes - kept) as usize, "episodes");
     let interrupt = Interrupt::caught()?;
-    arguments.common.on_threads(|| sweep.run(&|| bar.step(), interrupt.flag()))?.map_err(failure)?;
+    let done = arguments.common.on_threads(|| sweep.run_with(policies, &|| bar.step(), interrupt.flag()))?;
     bar.finish();
+    policies.failure().map_or(Ok(()), |error| Err(input(error)))?;
+    done.map_err(failure)?;
     Ok((kept, episodes))
 }
 
@@ -161,7 +177,8 @@ fn shard(text: &str) -> Result<Shard, String> {
 
 /// Prints the tables of a file of results.
 pub(super) fn print_summary(file: &Path, title: &str, as_json: bool) -> Result<(), Failure> {
-    let summary = Summary::load(file).map_err(failure)?;
+    let summary = Summary::load(&[Results::File(file)], &Comparing::default()).map_err(failure)?;
+    summary.notes.iter().for_each(|text| note(text));
     if as_json {
         let value = serde_json::to_value(&summary).map_err(|e| Failure::Output(Error::from(e)))?;
         return print_json(&json!({ "file": file.display().to_string(), "summary": value }));
@@ -175,11 +192,7 @@ pub(super) fn print_summary(file: &Path, title: &str, as_json: bool) -> Result<(
 /// The columns of the tables: world, method and varied inputs.
 fn headings(summary: &Summary) -> Vec<String> {
     let always = ["world", "method"].into_iter().filter(|key| !summary.varied.iter().any(|v| v == key));
-    // the ranges of humans and beliefs repeat their names
-    let varied = summary.varied.iter().map(String::as_str);
-    let named =
-        varied.filter(|key| !["humans_alpha", "humans_gamma", "belief_alpha", "belief_gamma"].contains(key));
-    always.chain(named).map(str::to_owned).collect()
+    always.chain(summary.named()).map(str::to_owned).collect()
 }
 
 /// The columns of what the episodes were to the human.
@@ -241,50 +254,6 @@ fn estimate(estimate: Option<&Estimate>) -> [String; 3] {
 }
 
 fn comparisons(summary: &Summary) -> String {
-    // comparisons without any difference are left out
-    let shown: Vec<&Comparison> = summary
-        .comparisons
-        .iter()
-        .filter(|c| {
-            let Estimate { mean, std, .. } = c.difference.difference;
-            mean != 0.0 || std.is_some_and(|std| std > 0.0)
-        })
-        .collect();
-    if shown.is_empty() {
-        return String::new();
-    }
-    let tested = summary.comparisons.iter().filter(|c| c.difference.p_value.is_some()).count();
-    let keys = headings(summary);
-    let common = |key: &&String| shown.iter().any(|c| c.inputs.contains_key(*key));
-    let keys: Vec<String> = keys.iter().filter(common).cloned().collect();
-    let mut titles = keys.clone();
-    let figures = ["cost", "compared", "pairs", "difference", "95 %", "d", "p (Holm)", "lower in"];
-    titles.extend(figures.map(str::to_owned));
-    let mut rows = table(&titles, keys.len() + 2);
-    for c in shown {
-        let mut cells: Vec<String> =
-            keys.iter().map(|key| c.inputs.get(key).cloned().unwrap_or_default()).collect();
-        let paired = &c.difference;
-        let [difference, _, interval] = estimate(Some(&paired.difference));
-        cells.extend([
-            if c.cost == "accumulated_control_cost" { "C" } else { "J (m)" }.to_owned(),
-            format!("{} - {}", c.first, c.second),
-            paired.difference.n.to_string(),
-            difference,
-            interval,
-            paired.effect_size.map_or("-".to_owned(), |d| format!("{d:.2}")),
-            paired.p_holm.map_or("-".to_owned(), |p| format!("{p:.1e}")),
-            format!("{:.0} %", 100.0 * c.share_lower),
-        ]);
-        rows.add_row(cells);
-    }
-    let test = match tested {
-        0 => String::new(),
-        1 => "; p: paired t-test".to_owned(),
-        _ => format!("; p: paired t-test, corrected by Holm's method for the {tested} comparisons tested"),
-    };
-    format!(
-        "\nPaired by seed\n{}First minus second, all other inputs equal, over the seeds with which both arrived. d: mean of the differences over their standard deviation{test}. There is no interval and no test where all humans make the same choices: seeds then differ by gait noise only. Comparisons without any difference are left out.\n",
-        table_text(&rows)
-    )
+    let table = summary.comparison_table(false);
+    if table.rows.is_empty() { String::new() } else { format!("\n{}", table_with_notes(&table)) }
 }

@@ -25,7 +25,9 @@ pub(super) fn error_width() -> Option<usize> {
 }
 
 fn width_of(terminal: Option<(Width, Height)>) -> Option<usize> {
-    let given: Option<usize> = std::env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok());
+    let given = std::env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok());
+    // 0 is unknown, as some terminals and tools set it
+    let given: Option<usize> = given.filter(|columns| *columns > 0);
     let width = given.or(terminal.map(|(Width(width), _)| width.into()));
     width.map(|width| width.max(MIN_WIDTH))
 }

@@ -121,6 +121,64 @@ impl Moments {
     }
 }
 
+/// The moments over units (humans, participants) of each one's mean: a unit counts once, with the mean of its
+/// values.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct UnitMoments {
+    moments: Moments,
+    /// Sum, largest magnitude and number of the present unit's values.
+    present: (f64, f64, u32),
+    below: u64,
+}
+
+impl UnitMoments {
+    /// Adds a value of the present unit. `size` as for [`Moments::add`].
+    pub fn add(&mut self, value: f64, size: f64) {
+        let (sum, largest, count) = self.present;
+        self.present = (sum + value, largest.max(size), count + 1);
+    }
+
+    /// Adds a difference of the present unit: first minus second.
+    pub fn add_pair(&mut self, first: f64, second: f64) {
+        self.add(first - second, first.abs().max(second.abs()));
+    }
+
+    /// Ends the present unit. One without values does not count.
+    pub fn end_unit(&mut self) {
+        let (sum, largest, count) = std::mem::take(&mut self.present);
+        if count > 0 {
+            let mean = sum / f64::from(count);
+            self.moments.add(mean, largest);
+            self.below += u64::from(mean < 0.0);
+        }
+    }
+
+    /// The moments of the units that have ended.
+    pub fn moments(&self) -> &Moments {
+        &self.moments
+    }
+
+    /// The share of the units that have ended whose mean is below 0.
+    pub fn share_below(&self) -> f64 {
+        self.below as f64 / self.moments.count() as f64
+    }
+
+    /// The moments of values in the order of their units.
+    pub fn of<U: PartialEq>(values: impl IntoIterator<Item = (U, f64, f64)>) -> Self {
+        let mut all = Self::default();
+        let mut present = None;
+        for (unit, value, size) in values {
+            if present.as_ref() != Some(&unit) {
+                all.end_unit();
+                present = Some(unit);
+            }
+            all.add(value, size);
+        }
+        all.end_unit();
+        all
+    }
+}
+
 /// A mean and its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Estimate {

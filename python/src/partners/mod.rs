@@ -15,7 +15,7 @@ use cocarry::policy::{Decision, RobotPolicy, RobotView};
 use cocarry::saved::{RestoreError, Saved};
 use cocarry::scenario::{self, Decisions, PolicyLog, PreparedScenario};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyType};
+use pyo3::types::{PyBytes, PyString, PyType};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -292,6 +292,11 @@ impl Own {
     pub fn of(policy: Option<&Bound<'_, PyAny>>, human: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let one = |name: &str, given: Option<&Bound<'_, PyAny>>| {
             let Some(given) = given else { return Ok(None) };
+            let given = &match given.is_instance_of::<PyString>() {
+                // one that a package has registered
+                true => given.py().import("cocarry._registry")?.call_method1("load", (name, given))?,
+                false => given.clone(),
+            };
             let object = if given.is_instance_of::<PyType>() { given.call0()? } else { given.clone() };
             if !object.is_callable() && object.getattr_opt("decide")?.is_none() {
                 return Err(DecisionError::new_err(format!(

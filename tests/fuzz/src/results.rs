@@ -2,7 +2,7 @@
 
 use crate::file;
 use cocarry_studies::fit::{AnswerFile, Kind, SwitchFile};
-use cocarry_studies::study::Summary;
+use cocarry_studies::study::{Comparing, Results, Summary};
 
 pub fn answers(bytes: &[u8]) {
     let file = file("answers.csv", bytes);
@@ -14,9 +14,9 @@ pub fn answers(bytes: &[u8]) {
 }
 
 pub fn rows(bytes: &[u8]) {
-    let _ = Summary::load(&file("rows.csv", bytes));
+    let _ = Summary::load(&[Results::File(&file("rows.csv", bytes))], &Comparing::default());
 }
 
 pub fn columns(bytes: &[u8]) {
-    let _ = Summary::load(&file("rows.parquet", bytes));
+    let _ = Summary::load(&[Results::File(&file("rows.parquet", bytes))], &Comparing::default());
 }

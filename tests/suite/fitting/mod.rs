@@ -1,6 +1,7 @@
 //! c_r and eta from what people answered: what was put in comes out, and what is wrong is named.
 
 mod eta;
+mod tables;
 
 use crate::support::{cocarry, json, load, repository, stderr, stdout};
 use cocarry::episode::prospects;

@@ -2,6 +2,7 @@
 //! and what is wrong in a study is named.
 
 mod cluster;
+mod compare;
 mod interrupted;
 #[cfg(feature = "parquet")]
 mod parquet;

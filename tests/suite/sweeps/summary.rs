@@ -147,14 +147,17 @@ fn results_are_drawn() {
     let differences = drawn(&["--kind", "differences"]);
     assert_eq!(differences.matches("class=\"row\"").count(), 8);
     assert!(differences.contains("environment-1: mutual - without-model"), "{differences}");
+    let discomfort = drawn(&["--kind", "differences", "--by", "eta", "--quantity", "final_discomfort"]);
+    assert!(discomfort.contains("environment-1: 5 - 10.5"), "{discomfort}");
     let map = drawn(&["--kind", "map", "--quantity", "final_discomfort", "--cells", "5"]);
     assert_eq!(map.matches("class=\"panel\"").count(), 16);
     for (arguments, said) in [
         (&["a.csv", "-o", "a.svg"][..], "--overwrite"),
         (
-            &["a.csv", "-o", "b.svg", "--kind", "differences", "--quantity", "final_discomfort"],
-            "it has those of",
+            &["a.csv", "-o", "b.svg", "--kind", "differences", "--quantity", "accumulated_control_cost"],
+            "no differences of `accumulated_control_cost`",
         ),
+        (&["a.csv", "-o", "b.svg", "--kind", "differences", "--by", "beta"], "unknown column `beta`"),
         (&["a.csv", "-o", "b.svg", "--quantity", "J"], "accumulated_objective_cost_m"),
         (&["a.csv", "-o", "b.png"], "svg"),
         (&["study.toml", "-o", "b.svg"], "study.toml"),

@@ -6,7 +6,7 @@ use cocarry::Error;
 use cocarry_output::drawing::{IntervalMarks, IntervalPanel, IntervalRow, intervals};
 use cocarry_studies::paper::pairs;
 use cocarry_studies::report::{Block, Figure};
-use cocarry_studies::statistics::{Estimate, Moments, Paired, correct};
+use cocarry_studies::statistics::{Estimate, Paired, UnitMoments, correct};
 use cocarry_studies::table::{Cell, Columns, Table};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -55,18 +55,6 @@ fn values<'a>(carried: &[&'a Carried]) -> BTreeMap<(&'a Measure, &'a str), Value
     values
 }
 
-/// The moments over participants of each one's mean over worlds. `of` has a value and its magnitude.
-fn over_people<'a>(rows: impl Iterator<Item = (&'a str, [f64; 2])>) -> Moments {
-    let mut people: BTreeMap<&str, [f64; 3]> = BTreeMap::new();
-    for (participant, [value, size]) in rows {
-        let sums = people.entry(participant).or_default();
-        *sums = [sums[0] + value, sums[1].max(size), sums[2] + 1.0];
-    }
-    let mut moments = Moments::default();
-    people.values().for_each(|[sum, size, count]| moments.add(sum / count, *size));
-    moments
-}
-
 /// All pairs of methods by all measures, corrected by Holm's method. A participant counts with the mean over
 /// the worlds in which they carried with both.
 pub(super) fn comparisons(carried: &[&Carried]) -> Vec<Comparison> {
@@ -83,11 +71,12 @@ pub(super) fn comparisons(carried: &[&Carried]) -> Vec<Comparison> {
             for (second, others) in &methods[i + 1..] {
                 let both = ones.iter().filter_map(|(at, one)| {
                     let other = others.get(at)?;
-                    Some((at.0, [one - other, one.abs().max(other.abs())]))
+                    Some((at.0, one - other, one.abs().max(other.abs())))
                 });
-                let moments = over_people(both);
+                let units = UnitMoments::of(both);
+                let moments = units.moments();
                 let is_enough = moments.count() >= MIN_PEOPLE as u64;
-                all.extend(Paired::of(&moments, is_enough).map(|paired| Comparison {
+                all.extend(Paired::of(moments, is_enough).map(|paired| Comparison {
                     measure: measure.clone(),
                     methods: [(*first).to_owned(), (*second).to_owned()],
                     paired,
@@ -128,7 +117,8 @@ fn described(carried: &[&Carried]) -> Table {
     let rows: Vec<Described> = values(carried)
         .into_iter()
         .filter_map(|((measure, method), values)| {
-            let moments = over_people(values.iter().map(|(at, value)| (at.0, [*value, value.abs()])));
+            let units = UnitMoments::of(values.iter().map(|(at, value)| (at.0, *value, value.abs())));
+            let moments = units.moments();
             let estimate = moments.estimate(moments.count() >= MIN_PEOPLE as u64)?;
             Some(Described { measure: measure.clone(), method: method.to_owned(), estimate })
         })
@@ -160,30 +150,16 @@ fn described(carried: &[&Carried]) -> Table {
 
 fn compared(comparisons: &[Comparison]) -> Table {
     let tested = comparisons.iter().filter(|c| c.paired.p_holm.is_some()).count();
-    let paired = |c: &Comparison| c.paired;
-    Columns::of(comparisons)
+    let columns = Columns::of(comparisons)
         .column("measure", true, &["measure"], |c| Cell {
             shown: c.measure.shown().0,
             values: vec![c.measure.key().into()],
         })
         .text("first", "first", |c| c.methods[0].clone())
         .text("second", "second", |c| c.methods[1].clone())
-        .count("pairs", "pairs", |c| c.paired.difference.n)
-        .column("first - second", false, &["difference", "difference_low", "difference_high"], |c| {
-            let Estimate { mean, interval, .. } = paired(c).difference;
-            Cell {
-                shown: difference(&c.paired, c.measure.shown().1),
-                values: vec![mean.into(), interval.map(|i| i[0]).into(), interval.map(|i| i[1]).into()],
-            }
-        })
-        .column("d", false, &["effect_size"], |c| {
-            let effect = c.paired.effect_size;
-            Cell { shown: effect.map_or("-".to_owned(), |d| format!("{d:+.2}")), values: vec![effect.into()] }
-        })
-        .column("p (Holm)", false, &["p_value", "p_holm"], |c| Cell {
-            shown: pairs::rounded(c.paired.p_holm),
-            values: vec![c.paired.p_value.into(), c.paired.p_holm.into()],
-        })
+        .count("pairs", "pairs", |c| c.paired.difference.n);
+    let shown = |c: &Comparison, paired: &Paired| difference(paired, c.measure.shown().1);
+    pairs::paired_columns(columns, "first - second", pairs::KEYS, |c| Some(c.paired), shown)
         .table("methods-compared", "Methods compared within participants")
         .with_note(format!(
             "Each participant counts once, with the mean over the worlds in which they carried with both methods. Difference: with its 95 % interval (Student's t); d: mean over standard deviation of the differences; p: two-sided paired t-test, corrected by Holm's method for the {tested} comparisons that are tested."

@@ -1,6 +1,6 @@
 //! `cocarry fit eta`: estimates eta from the steps at which participants asked to switch.
 
-use super::worlds::{inputs, load};
+use super::worlds::{inputs, load, note_similar};
 use crate::model::ModelArguments;
 use crate::output::{
     Failure, OverwriteArguments, counted, examples, input, print, print_json, svg_file, table, table_text,
@@ -66,6 +66,7 @@ pub(super) fn run_fit_eta(arguments: &EtaArguments) -> Result<(), Failure> {
         )));
     }
     let file = SwitchFile::read(&arguments.switches).map_err(input)?;
+    note_similar(file.participants().iter().map(|(name, _)| name.as_str()));
     let settings = Settings {
         predictor: arguments.model.predictor()?,
         coordination: coordination::Settings { initial_stubbornness: phi, ..Default::default() },

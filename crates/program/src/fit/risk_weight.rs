@@ -1,7 +1,7 @@
 //! `cocarry fit risk-weight`: estimates c_r from participants' percentages, by least squares and by
 //! likelihood.
 
-use super::worlds::{inputs, load};
+use super::worlds::{inputs, load, note_similar};
 use crate::model::BeliefArguments;
 use crate::output::{
     Failure, OverwriteArguments, counted, examples, input, print, print_json, svg_file, table, table_text,
@@ -61,6 +61,7 @@ pub(crate) struct RiskWeightArguments {
 
 pub(super) fn run_fit_risk_weight(arguments: &RiskWeightArguments) -> Result<(), Failure> {
     let file = AnswerFile::read(&arguments.answers).map_err(input)?;
+    note_similar(file.participants().iter().map(|(name, _)| name.as_str()));
     let worlds = load(&arguments.answers, file.worlds(), |world| OptionSet::new(&world, RISK_WEIGHT))?;
     let inputs = inputs(&arguments.answers, &worlds, &arguments.belief);
     let outputs = arguments.overwrite.outputs(inputs.iter().map(PathBuf::as_path), &arguments.svg)?;
@@ -145,6 +146,12 @@ fn text(answers: &Answers, settings: &RiskWeightSettings, fit: &RiskWeightFit) -
             "Intervals: {} resamples of the participants, seed {}.",
             settings.resamples, settings.seed
         );
+    }
+    let has_one = |(_, estimate): &(&str, &Estimate)| {
+        answers.participants.len() > 1 && estimate.interval.is_none() && estimate.undetermined.is_none()
+    };
+    for (name, _) in estimates.into_iter().filter(has_one) {
+        let _ = writeln!(text, "By {name}, all resamples have the same c_r: no interval.");
     }
     for (name, estimate) in estimates {
         text += &notes(name, estimate, settings);

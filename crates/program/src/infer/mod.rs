@@ -2,7 +2,7 @@
 
 mod text;
 
-use super::fit::worlds::{inputs, load};
+use super::fit::worlds::{inputs, load, note_similar};
 use super::model::ModelArguments;
 use super::output::{
     Failure, OverwriteArguments, csv_file, examples, input, print, print_json, table_with_notes, write_file,
@@ -219,6 +219,10 @@ fn read(arguments: &InferArguments) -> Result<Read, Failure> {
             Kind::Switches => switches(arguments, file, &mut read)?,
         }
     }
+    let answers = read.answers.iter().flat_map(|answers| &answers.participants);
+    let switches = read.switches.iter().flat_map(|(_, switches)| switches.iter().map(|s| &s.participant));
+    let walks = read.walks.iter().map(|walk| &walk.participant);
+    note_similar(answers.chain(switches).chain(walks).map(String::as_str));
     Ok(read)
 }
 

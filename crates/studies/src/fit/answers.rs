@@ -1,6 +1,6 @@
 //! A file of participants' percentages, checked and normalised.
 
-use super::table::{Column, bad_cell, check_counts, duplicate, named_worlds, read, rows_of};
+use super::table::{Column, NAME, bad_cell, check_counts, duplicate, named_worlds, read, rows_of};
 use cocarry::Error;
 use cocarry::episode::prospects;
 use cocarry::error::Place;
@@ -84,10 +84,10 @@ impl AnswerFile {
             let [participant, world, option, percent] = &row.values;
             for (column, value) in [("participant", participant), ("world", world), ("option", option)] {
                 if value.is_empty() {
-                    return Err(cell(column, value, "a name"));
+                    return Err(cell(column, value, NAME));
                 }
             }
-            let number = percent.parse().ok().filter(|p: &f64| (0.0..=100.0).contains(p));
+            let number = row.number(3).filter(|p| (0.0..=100.0).contains(p));
             let Some(number) = number else {
                 return Err(cell("percent", percent, "a number from 0 to 100, with a decimal point"));
             };

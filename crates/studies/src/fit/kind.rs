@@ -1,9 +1,9 @@
 //! The kind of a file of participants, by its header.
 
+use super::csv_text::{header, read_csv_text};
 use super::table::no_rows;
 use cocarry::Error;
 use cocarry::error::Place;
-use cocarry::{bounds, located};
 use std::path::Path;
 
 /// The kind of a file, by what participants did.
@@ -22,16 +22,12 @@ impl Kind {
     /// The file cannot be read, is empty, or has neither or both.
     pub fn of(path: &Path) -> Result<Self, Error> {
         let file = path.display().to_string();
-        let text = located::read(&bounds::TABLE, path)?;
-        let is_header = |line: &&str| !line.is_empty() && !line.starts_with('#');
-        let Some(header) = text.lines().map(str::trim).find(is_header) else {
+        let (text, delimiter) = read_csv_text(path)?;
+        let Some(header) = header(&text) else {
             return Err(no_rows(&file, "participant, world, option, percent or step"));
         };
-        let columns: Vec<&str> = header
-            .trim_start_matches('\u{feff}')
-            .split(',')
-            .map(|name| name.trim().trim_matches('"'))
-            .collect();
+        let columns: Vec<&str> =
+            header.split(char::from(delimiter)).map(|name| name.trim().trim_matches('"')).collect();
         match ["percent", "step"].map(|name| columns.contains(&name)) {
             [true, false] => Ok(Self::Answers),
             [false, true] => Ok(Self::Switches),

@@ -4,6 +4,7 @@
 mod answers;
 mod calibration;
 mod coverage;
+mod csv_text;
 mod eta;
 mod infer;
 mod kind;
@@ -18,6 +19,7 @@ mod walk;
 pub use answers::{AnswerFile, Answers, SUM_TOLERANCE, Situation};
 pub use calibration::{Calibration, Check, LEVELS, PARAMETERS, Replication, checks};
 pub use coverage::{Coverage, DIFFUSE, EtaDesign, MEDIAN, risk_weight_coverage};
+pub use csv_text::read_csv_text;
 pub use eta::{Eta, EtaFit, Evidence, fit_eta};
 pub use infer::{
     CHAINS, ChoiceEvidence, ChosenWorlds, Draws, Figure, HeldOut, Inference, Means, MeansRow,
@@ -32,5 +34,5 @@ pub use risk_weight::{
 };
 pub use set::Set;
 pub use switches::{Executed, Switch, SwitchFile};
-pub use table::{Column as TableColumn, Line as TableLine, bad_cell, read as table_rows};
+pub use table::{Column as TableColumn, Line as TableLine, bad_cell, read as table_rows, similar_names};
 pub use walk::{Guidance, Piece};

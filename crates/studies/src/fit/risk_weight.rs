@@ -36,6 +36,12 @@ pub const LEAST_SQUARES_CAUTION: &str = "Least squares assume that every answer 
 /// The difference of log-likelihoods, per answer, up to which two values of c_r are equally likely: rounding.
 const EQUALLY_LIKELY: f64 = 1e-10;
 
+/// The lapse rate from which on answers tell nothing of c_r: it is shown as 100.0 %.
+const ALL_LAPSES: f64 = 0.9995;
+/// The width of an interval, as a share of c_r, up to which all resamples gave one c_r: c_r is found to a
+/// millionth.
+const ONE_VALUE: f64 = 1e-5;
+
 /// Settings of the fit of c_r.
 #[derive(Clone, Debug)]
 pub struct RiskWeightSettings {
@@ -65,8 +71,8 @@ pub struct Estimate {
     /// answers do not determine c_r. `None` where one c_r is the likeliest, and for least squares.
     #[serde(rename = "undetermined_m")]
     pub undetermined: Option<[f64; 2]>,
-    /// Its 95 % bootstrap interval over participants, m; `None` for a single participant, and where c_r is
-    /// undetermined.
+    /// Its 95 % bootstrap interval over participants, m; `None` for a single participant, where c_r is
+    /// undetermined, and where all resamples have the same c_r.
     #[serde(rename = "interval_m")]
     pub interval: Option<[f64; 2]>,
     /// Share of answers that do not come from the model; `None` for least squares.
@@ -138,6 +144,9 @@ impl RiskWeightFit {
     /// The limitation of the estimates, in sentences that end with a period and a blank.
     pub fn caution(&self) -> String {
         match self.likelihood.undetermined {
+            Some(_) if self.likelihood.lapse.is_some_and(|lapse| lapse >= ALL_LAPSES) => {
+                "The likelihood does not determine c_r: with a lapse rate of 100 %, no answer comes from the model, whatever c_r is. None is recommended.".to_owned()
+            }
             None => LEAST_SQUARES_CAUTION.to_owned(),
             Some([low, high]) => format!(
                 "The likelihood does not determine c_r: every c_r from {low:.2} to {high:.2} m, with its own lapse, is equally likely. The one shown has the fewest \
@@ -292,9 +301,9 @@ fn bootstrap(
     samples.into_iter().flatten().collect()
 }
 
-/// The central 95 %.
+/// The central 95 %, if the samples differ.
 fn interval(samples: Vec<f64>) -> Option<[f64; 2]> {
-    statistics::quantiles(samples, [0.025, 0.975])
+    statistics::quantiles(samples, [0.025, 0.975]).filter(|[low, high]| high - low > ONE_VALUE * high)
 }
 
 fn probabilities(answers: &Answers, predictor: &mut Predictor, world: usize, c_r: f64) -> Vec<f64> {
@@ -382,6 +391,10 @@ impl ChoiceModel<'_> {
                     (risk_weight, lapse) = (c_r, fewer);
                 }
             }
+        }
+        if lapse >= ALL_LAPSES {
+            let ends = [self.scanned[0], self.scanned[self.scanned.len() - 1]];
+            return Likeliest { risk_weight, lapse, undetermined: Some(ends), losses };
         }
         Likeliest { risk_weight, lapse, undetermined, losses }
     }

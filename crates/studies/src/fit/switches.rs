@@ -1,6 +1,6 @@
 //! A file of switches, and the set of eta that each episode allows.
 
-use super::table::{Column, bad_cell, check_counts, duplicate, named_worlds, read, rows_of};
+use super::table::{Column, NAME, bad_cell, check_counts, duplicate, named_worlds, read, rows_of};
 use super::{Guidance, Set};
 use cocarry::Error;
 use cocarry::error::Place;
@@ -83,6 +83,7 @@ impl SwitchFile {
         // the line of every episode
         let mut known = BTreeMap::new();
         for row in read(path, columns)? {
+            let count = row.count(4);
             let [participant, world, option, method, step, trial] = row.values;
             let line = row.line;
             let cell = |column: &str, value: &str, expected: &str| {
@@ -90,7 +91,7 @@ impl SwitchFile {
             };
             for (column, value) in [("participant", &participant), ("world", &world)] {
                 if value.is_empty() {
-                    return Err(cell(column, value, "a name"));
+                    return Err(cell(column, value, NAME));
                 }
             }
             let executed = match (option.as_str(), method.as_str()) {
@@ -106,10 +107,10 @@ impl SwitchFile {
                 (_, "") => Executed::Option(option),
                 (_, other) => return Err(cell("method", other, "empty where an option is given")),
             };
-            let number = if step.is_empty() { Some(None) } else { step.parse().ok().map(Some) };
-            let Some(number) = number else {
+            let is_never = step.is_empty() || ["NA", "NaN", "nan"].contains(&step.as_str());
+            if count.is_none() && !is_never {
                 return Err(cell("step", &step, "a whole number of steps, or empty for never"));
-            };
+            }
             let episode = (participant.clone(), world.clone(), executed.clone(), trial);
             if let Some(first) = known.insert(episode, line) {
                 let what = format!(
@@ -118,7 +119,7 @@ impl SwitchFile {
                 );
                 return Err(duplicate(Place::line(file, line, ""), what, first));
             }
-            let (step, step_text) = (number, step);
+            let (step, step_text) = (count, step);
             rows.push(SwitchRow { line, participant, world, executed, step, step_text });
         }
         check_counts(&file, rows.iter().map(|row| (row.participant.as_str(), row.world.as_str())))?;

@@ -1,11 +1,13 @@
 //! A CSV file read by columns, each row with its line.
 
+use super::csv_text::read_csv_text;
 use cocarry::Error;
-use cocarry::bounds;
 use cocarry::error::Place;
-use cocarry::located::{self, Source};
+use cocarry::located::Source;
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use unicode_normalization::UnicodeNormalization;
 
 /// A column by name, and whether it is optional.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +29,10 @@ impl Column {
         Self { name, is_optional: true }
     }
 }
+
+/// What a cell with a name must be.
+pub(super) const NAME: &str =
+    "a name; pandas and R read NA, null and None as missing, unless told otherwise (keep_default_na=False, na.strings)";
 
 /// The largest number of participants of a file, of its worlds, and of both multiplied: memory and time are
 /// taken for each.
@@ -64,7 +70,29 @@ pub struct Line<const N: usize> {
     pub line: u64,
     /// The values.
     pub values: [String; N],
+    /// Whether commas do not separate cells, so that one in a number is its decimal point.
+    has_decimal_commas: bool,
 }
+
+impl<const N: usize> Line<N> {
+    /// The number in a cell.
+    pub fn number(&self, column: usize) -> Option<f64> {
+        let cell = &self.values[column];
+        match self.has_decimal_commas && !cell.contains('.') {
+            true => cell.replacen(',', ".", 1).parse().ok(),
+            false => cell.parse().ok(),
+        }
+    }
+
+    /// The whole number in a cell, also as statistics programs write it in a column with missing ones: 36.0.
+    pub fn count(&self, column: usize) -> Option<u64> {
+        let whole = |number: &f64| number.fract() == 0.0 && (0.0..=MAX_COUNT).contains(number);
+        self.values[column].parse().ok().or_else(|| self.number(column).filter(whole).map(|n| n as u64))
+    }
+}
+
+/// The largest number up to which all whole numbers are floating-point numbers.
+const MAX_COUNT: f64 = 9_007_199_254_740_992.0;
 
 /// The rows of these participants, in their order.
 pub(super) fn rows_of<R: Clone>(rows: &[R], participants: &[String], of: impl Fn(&R) -> &String) -> Vec<R> {
@@ -87,6 +115,21 @@ pub(super) fn named_worlds<'r>(rows: impl Iterator<Item = (&'r str, u64)>) -> Ve
     worlds
 }
 
+/// Names that differ only by case or by their Unicode form, each with the first that is like it.
+pub fn similar_names<'n>(names: impl IntoIterator<Item = &'n str>) -> Vec<[&'n str; 2]> {
+    let mut known: BTreeMap<String, &str> = BTreeMap::new();
+    let mut similar = Vec::new();
+    for name in names {
+        let form: String = name.nfkc().collect::<String>().to_lowercase().nfkc().collect();
+        match known.entry(form) {
+            Entry::Vacant(place) => drop(place.insert(name)),
+            Entry::Occupied(first) if *first.get() != name => similar.push([*first.get(), name]),
+            Entry::Occupied(_) => {}
+        }
+    }
+    similar
+}
+
 /// The rows of a file. Other columns, empty lines and lines that begin with `#` are ignored.
 ///
 /// # Errors
@@ -94,12 +137,13 @@ pub(super) fn named_worlds<'r>(rows: impl Iterator<Item = (&'r str, u64)>) -> Ve
 /// header.
 pub fn read<const N: usize>(path: &Path, columns: [Column; N]) -> Result<Vec<Line<N>>, Error> {
     let file = path.display().to_string();
-    let text = located::read(&bounds::TABLE, path)?;
+    let (text, delimiter) = read_csv_text(path)?;
     let names: Vec<&str> = columns.iter().map(|c| c.name).collect();
     let expected = names.join(", ");
     let not_csv = |error: csv::Error| Source { file: &file, text: &text }.invalid("CSV file", error);
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
+        .delimiter(delimiter)
         .comment(Some(b'#'))
         .trim(csv::Trim::All)
         .flexible(true)
@@ -135,7 +179,7 @@ pub fn read<const N: usize>(path: &Path, columns: [Column; N]) -> Result<Vec<Lin
             return Err(Error::at(Place::line(file, line, ""), sentence));
         }
         let values = places.map(|place| place.map_or(String::new(), |i| record[i].to_owned()));
-        rows.push(Line { line, values });
+        rows.push(Line { line, values, has_decimal_commas: delimiter != b',' });
     }
     if rows.is_empty() { Err(no_rows(&file, &expected)) } else { Ok(rows) }
 }
@@ -172,5 +216,17 @@ impl Lines<'_> {
         self.line += self.text[self.at..last].iter().filter(|&&b| b == b'\n').count() as u64;
         self.at = last;
         self.line
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_look_alike_are_found() {
+        let names = ["Zo\u{eb}", "zo\u{eb}", "Zoe\u{308}", "zoe", "\u{ff21}1", "a1", "Zo\u{eb}"];
+        let found = similar_names(names);
+        assert_eq!(found, [[names[0], names[1]], [names[0], names[2]], [names[4], names[5]]]);
     }
 }

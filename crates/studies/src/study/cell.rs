@@ -1,5 +1,6 @@
 //! The combinations of a run's values.
 
+use super::partners::Custom;
 use cocarry::scenario::{POSE, PlantKind, PreferenceChanges, SETTINGS, Scenario, Value};
 
 /// The largest number of combinations of a study.
@@ -18,6 +19,8 @@ pub(super) struct Cell {
     pub robot: usize,
     /// One value for each of [`SETTINGS`]; `None` if the plant ignores the setting, or it has no default.
     pub values: Vec<Option<Value>>,
+    /// The custom partners, which take the place of the settings' method and human model.
+    pub custom: Custom,
 }
 
 /// The lists of values of a run, by key.
@@ -63,6 +66,7 @@ impl Axes {
             changes: PreferenceChanges::NONE,
             robot: 0,
             values: vec![None; SETTINGS.len()],
+            custom: Custom::default(),
         }];
         vary(&mut cells, &self.worlds, always, |cell, value| cell.world = *value)?;
         vary(&mut cells, &self.plants, always, |cell, value| cell.plant = *value)?;

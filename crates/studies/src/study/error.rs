@@ -92,7 +92,7 @@ impl SweepError {
     /// A row of another study.
     pub(super) fn other_study(file: String, position: Position, found: String, expected: String) -> Self {
         let sentence = format_args!(
-            "{position} is of study {found}, this is study {expected}: a file, an option or the program has changed; --overwrite starts again"
+            "{position} is of study {found}, this is study {expected}: a file, an option, the code of a custom partner or the program has changed; --overwrite starts again"
         );
         Self::of_file(file, sentence)
     }
@@ -138,6 +138,11 @@ impl SweepError {
     #[cfg(feature = "parquet")]
     pub(super) fn ticks(folder: String, found: String, advice: &str) -> Self {
         Self::of_file(folder, format_args!("holds {found}; {advice}"))
+    }
+
+    /// A name of results whose extension is that of another format.
+    pub(super) fn extension(file: String) -> Self {
+        Self::of_file(file, format_args!("results are written as CSV or Parquet; expected the extension .csv or .parquet"))
     }
 
     /// Ticks and rows with one name.

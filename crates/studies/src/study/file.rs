@@ -2,6 +2,7 @@
 
 use super::cell::{Axes, Cell, MAX_RUN};
 use super::humans::{Humans, Range};
+use super::partners::Partners;
 use super::source::{self, Source, get, number, whole};
 use super::{Run, Seeds, SweepError};
 use cocarry::error::Place;
@@ -40,6 +41,10 @@ pub(super) struct Contents {
     pub humans: Vec<(String, Humans)>,
     pub beliefs: Vec<(String, Belief)>,
     pub runs: Vec<(Run, Place)>,
+    /// The policies and humans that take the place of the file's.
+    pub partners: Partners,
+    /// Probable mistakes in worlds.
+    pub world_warnings: Vec<String>,
     /// The total length of the texts of worlds and robots, bytes.
     text_bytes: usize,
 }
@@ -175,6 +180,7 @@ impl Contents {
         // named as in the study, independent of the current directory
         world.file.clone_from(&name);
         self.text_bytes += world.text.len();
+        self.world_warnings.extend(world.warnings());
         self.worlds.push((name, world.into()));
         self.check_files(place, self.worlds.len(), "worlds")?;
         Ok(self.worlds.len() - 1)

@@ -14,7 +14,7 @@ const MAX_SHARDS: u64 = 10_000;
 
 /// The file of a shard.
 struct Part {
-    rows: Rows,
+    rows: Rows<'static>,
     first: Identity,
 }
 

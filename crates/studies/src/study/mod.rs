@@ -7,6 +7,8 @@
 
 mod again;
 mod cell;
+mod compared;
+mod comparison_table;
 mod error;
 mod file;
 mod humans;
@@ -14,6 +16,8 @@ mod merge;
 mod ordered;
 mod origin;
 mod partial;
+mod partners;
+mod pictures;
 mod plane;
 mod results;
 mod row;
@@ -26,15 +30,18 @@ mod tables;
 pub use again::{Difference, different};
 pub use error::{Position, SweepError};
 pub use merge::merge;
-pub use partial::{Shard, Sweep, SweepOutputs, complete_rows};
+pub use partial::{Shard, Sweep, SweepOutputs, complete_rows, rows_with};
+pub use partners::{Custom, EpisodeMaker, Partner, Partners};
+pub use pictures::{Drawn, picture};
 pub use plane::{Plane, PlanePart};
-pub use results::read_rows;
-pub use row::Run as EpisodeRun;
+pub use results::{Results, read_rows};
+pub use row::line_of_cells as line_of;
+pub use compared::Comparing;
 pub use summary::{Comparison, Group, OUTCOMES, Summary};
 
 use cell::Cell;
 use cocarry::arithmetic;
-use cocarry::episode::Settings;
+use cocarry::episode::{Episode, Settings};
 use cocarry::error::Place;
 use cocarry::preference::{Predictor, RISK_WEIGHT};
 use cocarry::quantities::Heading;
@@ -43,6 +50,7 @@ use cocarry::scenario::{Plant, PlantKind, PreparedScenario, RobotSetup, SETTINGS
 use cocarry::{bounds, located};
 use file::Contents;
 use origin::Origin;
+use partners::BuiltIn;
 use run::{Run, Seeds};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -102,9 +110,17 @@ impl Study {
     /// # Errors
     /// [`SweepError`], which names the file, the line, the key and the value.
     pub fn load(path: &Path, seeds: Option<u64>) -> Result<Self, SweepError> {
+        Self::load_with(path, seeds, Partners::default())
+    }
+
+    /// As [`Study::load`], with other policies and humans than the file's.
+    ///
+    /// # Errors
+    /// As [`Study::load`].
+    pub fn load_with(path: &Path, seeds: Option<u64>, partners: Partners) -> Result<Self, SweepError> {
         let file = path.display().to_string();
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::parse(&file, &located::read(&bounds::SETTINGS, path)?, folder, seeds)
+        Self::parse_with(&file, &located::read(&bounds::SETTINGS, path)?, folder, seeds, partners)
     }
 
     /// Reads the text of a study file. Errors call it `file`. Files that it names are relative to `folder`.
@@ -112,7 +128,27 @@ impl Study {
     /// # Errors
     /// As [`Study::load`].
     pub fn parse(file: &str, text: &str, folder: &Path, seeds: Option<u64>) -> Result<Self, SweepError> {
-        let contents = file::read(file, text, folder, seeds)?;
+        Self::parse_with(file, text, folder, seeds, Partners::default())
+    }
+
+    /// As [`Study::parse`], with other policies and humans than the file's.
+    ///
+    /// # Errors
+    /// As [`Study::load`].
+    pub fn parse_with(
+        file: &str,
+        text: &str,
+        folder: &Path,
+        seeds: Option<u64>,
+        partners: Partners,
+    ) -> Result<Self, SweepError> {
+        let mut contents = file::read(file, text, folder, seeds)?;
+        partners.apply(&mut contents);
+        let most = contents.runs.iter().map(|(run, _)| run.cells.len()).sum::<usize>();
+        if most > cell::MAX_RUN {
+            let place = Place { file: file.to_owned(), line: None, item: "study".to_owned() };
+            return Err(SweepError::too_many(place, cell::MAX_RUN, "combinations"));
+        }
         let cells: Vec<Cell> = contents.runs.iter().flat_map(|(run, _)| run.cells.iter().cloned()).collect();
         let blocks = blocks(&contents);
         let episodes = blocks.last().map_or(0, |b| b.begin + b.episodes());
@@ -179,6 +215,11 @@ impl Study {
     pub fn scenario(&self, episode: u64) -> Option<Scenario> {
         let (cell, seed) = self.place(episode)?;
         Some(self.drawn(cell, seed))
+    }
+
+    /// Probable mistakes in the worlds of the study.
+    pub fn world_warnings(&self) -> &[String] {
+        &self.contents.world_warnings
     }
 
     /// Drives that are slower than the walking speed of their team, each once.
@@ -329,9 +370,9 @@ impl Study {
         row::inputs(&self.contents, &self.cells[cell])
     }
 
-    /// Runs an episode to its end, and returns its line of results. The line is empty after the last episode.
+    /// Runs an episode of the program's partners to its end, and returns its line of results.
     fn run(&self, episode: u64) -> Vec<u8> {
-        self.row(episode, &row::to_its_end)
+        self.row(episode, &BuiltIn)
     }
 
     /// The lines of results of these episodes, run one after the other; none after the last episode.
@@ -339,18 +380,36 @@ impl Study {
         (episodes.start..episodes.end.min(self.episodes)).flat_map(|episode| self.run(episode)).collect()
     }
 
-    /// The line of results of an episode, as in a file of results. `run` starts the episode and runs it to its
-    /// end. The line is empty after the last episode.
-    pub fn row(&self, episode: u64, run: row::Run) -> Vec<u8> {
+    /// The line of results of an episode, as in a file of results. The line is empty after the last episode,
+    /// and if the episode is given up.
+    pub fn row(&self, episode: u64, maker: &dyn EpisodeMaker) -> Vec<u8> {
         let Some((cell, seed)) = self.place(episode) else { return Vec::new() };
-        self.row_of(episode, cell, self.drawn(cell, seed), run)
+        self.row_of(episode, cell, self.drawn(cell, seed), maker, &|_, _| ())
     }
 
-    /// The line of an episode, whose scenario is of this cell.
-    fn row_of(&self, episode: u64, cell: usize, scenario: Scenario, run: row::Run) -> Vec<u8> {
+    /// The line of an episode, whose scenario is of this cell. `on_step` sees the episode after every step.
+    fn row_of(
+        &self,
+        episode: u64,
+        cell: usize,
+        scenario: Scenario,
+        maker: &dyn EpisodeMaker,
+        on_step: &dyn Fn(&PreparedScenario, &Episode<'_>),
+    ) -> Vec<u8> {
         let (episodes, digest) = (self.episodes.to_string(), self.digest.clone());
         let identity = [episode.to_string(), episodes, digest, arithmetic::stamp().to_owned()];
-        row::of(identity, self.inputs(cell), scenario, &self.prepared[self.prepared_of[cell]], run)
+        let custom = self.cells[cell].custom;
+        let prepared = &self.prepared[self.prepared_of[cell]];
+        row::of(identity, self.inputs(cell), scenario, prepared, &|prepared| {
+            let mut episode = maker.begin(prepared, custom)?;
+            while !maker.is_over() {
+                if episode.step().is_some() {
+                    return Ok((!maker.is_over()).then_some(episode));
+                }
+                on_step(prepared, &episode);
+            }
+            Ok(None)
+        })
     }
 
     /// The check that no episode is in two runs, where it would count twice.

@@ -9,6 +9,7 @@ use super::error::Position;
 use super::ordered::in_order;
 use super::results::{self, Identity};
 use super::tables::{self, Ticks};
+use super::partners::{BuiltIn, EpisodeMaker};
 use super::{Study, SweepError, row};
 use crate::parallel::OnDone;
 use cocarry::arithmetic;
@@ -146,36 +147,47 @@ impl<S: Borrow<Study>> Sweep<S> {
     /// [`SweepError::Output`] or [`SweepError::Stopped`]; the rows and ticks written so far stay in the
     /// partial outputs.
     pub fn run(self, on_done: OnDone, stop: &AtomicBool) -> Result<(), SweepError> {
+        self.run_with(&BuiltIn, on_done, stop)
+    }
+
+    /// As [`Sweep::run`], for a study with custom partners. It also stops before an episode that was given up.
+    ///
+    /// # Errors
+    /// As [`Sweep::run`].
+    pub fn run_with(
+        self,
+        maker: &dyn EpisodeMaker,
+        on_done: OnDone,
+        stop: &AtomicBool,
+    ) -> Result<(), SweepError> {
         let Self { study: owner, path, mut file, mut ticks, episodes, kept } = self;
         let study = owner.borrow();
         let left = episodes.start + kept..episodes.end;
-        let mut append = |lines: &[u8], count: u64| {
-            let written = file.write_all(lines).and_then(|()| file.flush());
+        let mut append = |lines: &[Vec<u8>]| {
+            let is_made = lines.iter().take_while(|line| !line.is_empty()).count();
+            let written = file.write_all(&lines[..is_made].concat()).and_then(|()| file.flush());
             written.map_err(|source| OutputError::write(file.partial(), source))?;
-            (0..count).for_each(|_| on_done());
-            match stop.load(Ordering::Relaxed) {
+            (0..is_made).for_each(|_| on_done());
+            match stop.load(Ordering::Relaxed) || is_made < lines.len() {
                 true => Err(SweepError::Stopped { file: file.partial().to_owned() }),
                 false => Ok(()),
             }
         };
         match &mut ticks {
-            None => in_order(
-                left,
-                WINDOW,
-                |episode| study.run(episode),
-                |lines| append(&lines.concat(), lines.len() as u64),
-            )?,
+            None => in_order(left, WINDOW, |episode| study.row(episode, maker), |lines| append(&lines))?,
             Some(ticks) => {
                 let (layout, mut due) = (ticks.layout(), left.start);
                 in_order(
                     left,
                     WINDOW_WITH_TICKS,
-                    |episode| layout.run(study, episode),
+                    |episode| layout.run(study, episode, maker),
                     |results| {
                         for (line, batch) in results {
                             // ticks first: rows without ticks would be dropped
-                            ticks.add(due, batch)?;
-                            append(&line, 1)?;
+                            if !line.is_empty() {
+                                ticks.add(due, batch)?;
+                            }
+                            append(&[line])?;
                             due += 1;
                         }
                         Ok::<(), SweepError>(())
@@ -186,6 +198,34 @@ impl<S: Borrow<Study>> Sweep<S> {
         ticks.map_or(Ok(()), Ticks::finish)?;
         results::finish(file, &path, &study.origin())
     }
+}
+
+/// The lines of the results of a study, or of a shard of it, run on all threads of the current pool.
+///
+/// `stop` and `on_done` are as for [`Sweep::run`].
+///
+/// # Errors
+/// [`SweepError::Stopped`], also where an episode was given up.
+pub fn rows_with(
+    study: &Study,
+    shard: Option<Shard>,
+    maker: &dyn EpisodeMaker,
+    on_done: OnDone,
+    stop: &AtomicBool,
+) -> Result<Vec<Vec<u8>>, SweepError> {
+    let episodes = shard.map_or(0..study.episodes(), |shard| shard.episodes(study.episodes()));
+    let mut rows = Vec::new();
+    let append = |lines: Vec<Vec<u8>>| {
+        let is_over = stop.load(Ordering::Relaxed) || lines.iter().any(Vec::is_empty);
+        lines.iter().for_each(|_| on_done());
+        rows.extend(lines);
+        match is_over {
+            true => Err(SweepError::Stopped { file: PathBuf::new() }),
+            false => Ok(()),
+        }
+    };
+    in_order(episodes, WINDOW, |episode| study.row(episode, maker), append)?;
+    Ok(rows)
 }
 
 /// The number of rows in `path`, if these are all rows of the study, or of a shard of it, as CSV: a sweep

@@ -1,11 +1,10 @@
 //! A quantity of a study's episodes over the plane of the humans' alpha and gamma.
 
-use super::results::Rows;
+use super::results::{Results, Rows};
 use super::summary::OUTCOMES;
 use super::{SweepError, row};
 use crate::statistics::Moments;
 use std::collections::BTreeMap;
-use std::path::Path;
 
 /// Means of a quantity over a grid of intervals of alpha and gamma.
 #[derive(Debug)]
@@ -30,21 +29,22 @@ pub struct PlanePart {
 const MAX_PARTS: usize = 64;
 
 impl Plane {
-    /// Reads a file of results. The grid has `cells` intervals on either side. `quantity` is a column of
+    /// Reads results. The grid has `cells` intervals on either side. `quantity` is a column of
     /// [`Summary`](super::Summary)'s outcomes. Only episodes that arrived count.
     ///
     /// # Errors
     /// [`SweepError`], which names the file and the line, also where no row has the quantity.
-    pub fn load(path: &Path, quantity: &str, cells: usize) -> Result<Self, SweepError> {
+    pub fn load(results: &[Results], quantity: &str, cells: usize) -> Result<Self, SweepError> {
         let mut ranges = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
-        each(path, quantity, |_, person, _| {
+        each(results, quantity, |_, person, _| {
             for (range, value) in ranges.iter_mut().zip(person) {
                 *range = [range[0].min(value), range[1].max(value)];
             }
             Ok(())
         })?;
         if ranges[0][0] > ranges[0][1] {
-            return Err(SweepError::empty(path.display().to_string()));
+            let names: Vec<String> = results.iter().map(Results::name).collect();
+            return Err(SweepError::empty(names.join(", ")));
         }
         // humans who are all alike have a cell, too
         let widened = ranges
@@ -54,7 +54,7 @@ impl Plane {
         };
         let mut known: BTreeMap<Vec<String>, usize> = BTreeMap::new();
         let mut parts: Vec<(Vec<String>, Vec<Vec<Moments>>)> = Vec::new();
-        each(path, quantity, |inputs, [alpha, gamma], value| {
+        each(results, quantity, |inputs, [alpha, gamma], value| {
             let next = parts.len();
             let part = *known.entry(inputs).or_insert_with_key(|inputs| {
                 parts.push((inputs.clone(), vec![vec![Moments::default(); cells]; cells]));
@@ -82,35 +82,34 @@ impl Plane {
 /// Calls `on_row` for every episode that arrived and has the quantity: with the inputs, alpha and gamma, and
 /// the value. An error of `on_row` says what was expected instead of the row.
 fn each(
-    path: &Path,
+    results: &[Results],
     quantity: &str,
     mut on_row: impl FnMut(Vec<String>, [f64; 2], f64) -> Result<(), String>,
 ) -> Result<(), SweepError> {
-    let mut rows = Rows::open(path)?;
     let columns = row::columns();
     let at = |name: &str| columns.iter().position(|column| *column == name).expect("a column of the rows");
     let inputs = row::IDENTITY.len()..row::IDENTITY.len() + row::input_columns().count();
     let quantity = OUTCOMES.into_iter().find(|known| *known == quantity).map(at);
     let (outcome, alpha, gamma) = (at("outcome"), at("alpha"), at("gamma"));
-    while rows.next()?.is_some() {
-        let fields = rows.fields(columns.len())?;
-        let number = |i: usize| fields[i].parse::<f64>().ok().filter(|value| value.is_finite());
-        let (Some(value), Some(alpha), Some(gamma)) =
-            (quantity.and_then(number), number(alpha), number(gamma))
-        else {
-            continue;
-        };
-        if &fields[outcome] == row::arrived() {
-            let inputs = inputs.clone().map(|i| fields[i].to_owned()).collect();
-            on_row(inputs, [alpha, gamma], value).map_err(|expected| {
-                SweepError::row(
-                    rows.position(),
-                    rows.file.clone(),
-                    "another combination".to_owned(),
-                    expected,
-                )
-            })?;
+    for results in results {
+        let mut rows = Rows::of(*results)?;
+        while rows.next()?.is_some() {
+            let fields = rows.checked_fields()?;
+            let number = |i: usize| fields[i].parse::<f64>().ok().filter(|value| value.is_finite());
+            let (Some(value), Some(alpha), Some(gamma)) =
+                (quantity.and_then(number), number(alpha), number(gamma))
+            else {
+                continue;
+            };
+            if &fields[outcome] == row::arrived() {
+                let inputs = inputs.clone().map(|i| fields[i].to_owned()).collect();
+                let found = "another combination".to_owned();
+                on_row(inputs, [alpha, gamma], value).map_err(|expected| {
+                    SweepError::row(rows.position(), rows.file.clone(), found, expected)
+                })?;
+            }
         }
+        rows.check_all()?;
     }
     Ok(())
 }

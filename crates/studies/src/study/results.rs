@@ -4,6 +4,7 @@ use super::error::Position;
 use super::origin::Origin;
 use super::{SweepError, row, tables};
 use cocarry::located;
+use cocarry::quantities::{Heading, Kind};
 use cocarry_output::output_file::{OutputError, OutputFile};
 use row::IDENTITY;
 use std::fs::File;
@@ -65,6 +66,20 @@ pub(super) fn check_values(line: &[u8], file: &str, position: Position) -> Resul
     })
 }
 
+/// A cell as a sweep writes it: other programs write 36 as 36.0, false as False, and nothing as NaN.
+fn as_written(heading: &Heading, cell: &str) -> String {
+    let number = || cell.trim().parse::<f64>().ok().filter(|number| number.is_finite());
+    match heading.kind {
+        Kind::Number(_) => number().map_or_else(String::new, |number| number.to_string()),
+        Kind::Count => match cell.parse::<u64>() {
+            Ok(_) => cell.to_owned(),
+            Err(_) => number().filter(|n| n.fract() == 0.0).map_or_else(String::new, |n| n.to_string()),
+        },
+        Kind::Flag => cell.trim().to_ascii_lowercase(),
+        _ => cell.to_owned(),
+    }
+}
+
 /// The check that the header is that of this version.
 pub(super) fn check_header(line: &[u8], file: &str) -> Result<(), SweepError> {
     let text = String::from_utf8_lossy(line);
@@ -96,13 +111,43 @@ pub(super) fn finish(file: OutputFile, path: &Path, origin: &Origin) -> Result<(
     Ok(file.finish_as(|lines, out| tables::write(lines, out, origin).map_err(write))?)
 }
 
-/// The check that this program can write a file of that name.
+/// The check that this program can write a file of that name: other extensions are of other formats.
 pub(super) fn check_name(path: &Path) -> Result<(), SweepError> {
-    if is_parquet(path) { tables::check(&path.display().to_string()) } else { Ok(()) }
+    let file = path.display().to_string();
+    match path.extension() {
+        _ if is_parquet(path) => tables::check(&file),
+        None => Ok(()),
+        Some(extension) if extension.eq_ignore_ascii_case("csv") => Ok(()),
+        Some(_) => Err(SweepError::extension(file)),
+    }
 }
 
 fn is_parquet(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("parquet"))
+}
+
+/// Rows of results: of a file, CSV or Parquet, or in memory.
+#[derive(Clone, Copy, Debug)]
+pub enum Results<'a> {
+    /// A file.
+    File(&'a Path),
+    /// Lines of CSV without the header, each with its newline.
+    Lines {
+        /// What errors call them.
+        name: &'a str,
+        /// The lines.
+        lines: &'a [Vec<u8>],
+    },
+}
+
+impl Results<'_> {
+    /// What errors call them.
+    pub fn name(&self) -> String {
+        match self {
+            Self::File(path) => path.display().to_string(),
+            Self::Lines { name, .. } => (*name).to_owned(),
+        }
+    }
 }
 
 /// Reads a file of results, CSV or Parquet, and hands on the cells of each row, as in CSV.
@@ -114,22 +159,29 @@ pub fn read_rows(
     mut each: impl FnMut(&mut dyn Iterator<Item = &str>),
 ) -> Result<(), SweepError> {
     let mut rows = Rows::open(path)?;
-    let columns = row::headings().len();
     while rows.next()?.is_some() {
-        each(&mut rows.fields(columns)?.iter());
+        each(&mut rows.fields()?.iter());
     }
     Ok(())
 }
 
-/// A reader of a file's rows.
-pub(super) struct Rows {
+/// A reader of rows.
+pub(super) struct Rows<'a> {
     pub file: String,
-    source: RowSource,
+    source: RowSource<'a>,
     /// The number of the line or row read last, counted from 1.
     number: u64,
     /// The line of the row read last, with its newline.
     pub line: Vec<u8>,
     splitter: Splitter,
+    headings: Vec<Heading>,
+    /// The number of rows so far whose values cannot be checked: without a checksum, or written anew by
+    /// another program, which may have rounded them.
+    pub unchecked: u64,
+    /// Whether another program has written the rows anew.
+    is_rewritten: bool,
+    /// The first row whose values are not those of its checksum, though written as a sweep writes.
+    changed: Option<SweepError>,
 }
 
 /// Splits lines into fields. It is made once: a reader takes longer to be made than to read a line.
@@ -162,12 +214,26 @@ impl Splitter {
     }
 }
 
-enum RowSource {
+enum RowSource<'a> {
     Csv(BufReader<File>),
     Parquet(Box<tables::Reader>),
+    Lines(std::slice::Iter<'a, Vec<u8>>),
 }
 
-impl Rows {
+impl<'a> Rows<'a> {
+    /// Opens rows of any kind.
+    pub fn of(results: Results<'a>) -> Result<Self, SweepError> {
+        match results {
+            Results::File(path) => Self::open(path),
+            Results::Lines { name, lines } => Ok(Self::new(name.to_owned(), RowSource::Lines(lines.iter()))),
+        }
+    }
+
+    fn new(file: String, source: RowSource<'a>) -> Self {
+        let (line, splitter, headings) = (Vec::new(), Splitter::new(), row::headings());
+        Self { file, source, number: 0, line, splitter, headings, unchecked: 0, is_rewritten: false, changed: None }
+    }
+
     /// Opens the file and checks its columns.
     pub fn open(path: &Path) -> Result<Self, SweepError> {
         let file = path.display().to_string();
@@ -177,7 +243,7 @@ impl Rows {
             true => RowSource::Parquet(Box::new(tables::Reader::open(opened.into_inner(), &file)?)),
             false => RowSource::Csv(opened),
         };
-        let mut rows = Self { file, source, number: 0, line: Vec::new(), splitter: Splitter::new() };
+        let mut rows = Self::new(file, source);
         if let RowSource::Csv(_) = rows.source {
             rows.advance()?;
             check_header(&rows.line, &rows.file)?;
@@ -194,9 +260,38 @@ impl Rows {
         }
     }
 
+    /// The fields of the row read last, as a sweep writes them, after the check that its values are those
+    /// that the sweep wrote. A row that another program has written anew, with other forms of numbers, is
+    /// checked as far as that left its values alone.
+    pub fn checked_fields(&mut self) -> Result<csv::StringRecord, SweepError> {
+        let found = self.fields()?;
+        if row::wrong_checksum(&self.line).is_none() {
+            return Ok(found);
+        }
+        let fields: csv::StringRecord =
+            self.headings.iter().zip(&found).map(|(heading, cell)| as_written(heading, cell)).collect();
+        self.is_rewritten |= fields != found;
+        if row::wrong_checksum(&row::line_of_cells(fields.iter())).is_some() {
+            self.unchecked += 1;
+            let is_changed = self.changed.is_none() && !row::checksum(&found).is_empty();
+            self.changed = match is_changed {
+                true => check_values(&self.line, &self.file, self.position()).err(),
+                false => self.changed.take(),
+            };
+        }
+        Ok(fields)
+    }
+
+    /// After the last row: the check that no row has other values than its sweep wrote. In rows that another
+    /// program has written anew, other values may be rounded ones.
+    pub fn check_all(&mut self) -> Result<(), SweepError> {
+        let changed = self.changed.take().filter(|_| !self.is_rewritten);
+        changed.map_or(Ok(()), Err)
+    }
+
     /// The fields of the row read last.
-    pub fn fields(&mut self, columns: usize) -> Result<csv::StringRecord, SweepError> {
-        let fields = self.splitter.fields(&self.line);
+    pub fn fields(&mut self) -> Result<csv::StringRecord, SweepError> {
+        let (fields, columns) = (self.splitter.fields(&self.line), self.headings.len());
         if fields.len() == columns {
             return Ok(fields);
         }
@@ -212,14 +307,14 @@ impl Rows {
     pub fn position(&self) -> Position {
         match self.source {
             RowSource::Csv(_) => Position::Line(self.number),
-            RowSource::Parquet(_) => Position::Row(self.number),
+            RowSource::Parquet(_) | RowSource::Lines(_) => Position::Row(self.number),
         }
     }
 
     /// The text of the study, if the file has it.
     pub fn study_text(&self) -> Option<&str> {
         match &self.source {
-            RowSource::Csv(_) => None,
+            RowSource::Csv(_) | RowSource::Lines(_) => None,
             RowSource::Parquet(reader) => reader.study_text(),
         }
     }
@@ -230,6 +325,10 @@ impl Rows {
             RowSource::Csv(reader) => reader,
             RowSource::Parquet(reader) => {
                 self.line = reader.next()?;
+                return Ok(());
+            }
+            RowSource::Lines(lines) => {
+                self.line = lines.next().cloned().unwrap_or_default();
                 return Ok(());
             }
         };

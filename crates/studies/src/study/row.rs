@@ -37,16 +37,18 @@ struct Inputs<'a> {
 /// The columns of the inputs, without the seed, the values drawn from it, and the settings.
 #[rustfmt::skip]
 const INPUTS: &[InputColumn] = &[
-    ("world", "world, as named in the study", |r| Some(r.contents.worlds[r.cell.world].0.clone())),
+    ("world", "world, as named in the study", |r| Some(one_line(&r.contents.worlds[r.cell.world].0))),
     ("plant", "point, kinematic or rapier", |r| word(r.cell.plant.name())),
-    ("humans", "name of the humans' distribution", |r| Some(r.contents.humans[r.cell.humans].0.clone())),
+    ("humans", "name of the humans' distribution", |r| Some(one_line(&r.contents.humans[r.cell.humans].0))),
     ("humans_alpha", "distribution of alpha", |r| some(r.contents.humans[r.cell.humans].1.alpha)),
     ("humans_gamma", "distribution of gamma", |r| some(r.contents.humans[r.cell.humans].1.gamma)),
     ("preference_changes_drawn", "how many preference changes are drawn", |r| some(r.cell.changes)),
-    ("belief", "name of the robot's belief", |r| Some(r.contents.beliefs[r.cell.belief].0.clone())),
+    ("belief", "name of the robot's belief", |r| Some(one_line(&r.contents.beliefs[r.cell.belief].0))),
     ("belief_alpha", "the belief's distribution of alpha; empty for samples", |r| r.belief()[0].clone()),
     ("belief_gamma", "the belief's distribution of gamma; empty for samples", |r| r.belief()[1].clone()),
-    ("robot", "robot, as named in the study; empty for a point", |r| (r.cell.plant != PlantKind::Point).then(|| r.contents.robots[r.cell.robot].0.clone())),
+    ("robot", "robot, as named in the study; empty for a point", |r| (r.cell.plant != PlantKind::Point).then(|| one_line(&r.contents.robots[r.cell.robot].0))),
+    ("policy_code", "version and digest of a custom policy; empty for a method of the program", |r| r.code(0)),
+    ("human_code", "version and digest of a custom human; empty for a model of the program", |r| r.code(1)),
 ];
 
 /// The columns of the seed and of the values drawn from it; those of [`EPISODE`] follow.
@@ -97,7 +99,10 @@ pub(super) fn header() -> Vec<u8> {
 /// The values of a cell's input columns.
 pub(super) fn inputs(contents: &Contents, cell: &Cell) -> Vec<String> {
     let inputs = Inputs { contents, cell };
-    let settings = cell.values.iter().map(|value| value.as_ref().map(Value::to_string));
+    let settings = SETTINGS.iter().zip(&cell.values).map(|(setting, value)| {
+        let custom = contents.partners.name_of(setting.key, cell).map(str::to_owned);
+        custom.or_else(|| value.as_ref().map(Value::to_string))
+    });
     let values = INPUTS.iter().map(|(_, _, value)| value(&inputs)).chain(settings);
     values.map(Option::unwrap_or_default).collect()
 }
@@ -108,16 +113,36 @@ pub(super) fn in_words(inputs: &[String]) -> String {
     pairs.map(|(name, value)| format!("{name} {value}")).collect::<Vec<_>>().join(", ")
 }
 
-/// The line of a file of results with these fields. No field contains a newline.
-pub(super) fn line(fields: impl Iterator<Item = String>) -> Vec<u8> {
+/// The line of a file of results with these values. No cell contains a newline.
+fn line(values: impl Iterator<Item = String>) -> Vec<u8> {
+    line_of_cells(values.map(|value| text_cell(&value.replace(['\n', '\r'], " ")).into_owned()))
+}
+
+/// The line of a file of results with these cells, as they are.
+pub fn line_of_cells(cells: impl Iterator<Item = impl AsRef<[u8]>>) -> Vec<u8> {
     let mut writer = csv::WriterBuilder::new().buffer_capacity(1024).from_writer(Vec::with_capacity(1024));
-    let fields = fields.map(|field| text_cell(&field.replace(['\n', '\r'], " ")).into_owned());
-    writer.write_record(fields).expect("writing to memory does not fail");
+    writer.write_record(cells).expect("writing to memory does not fail");
     writer.into_inner().expect("writing to memory does not fail")
 }
 
-/// Runs an episode to its end, and returns its line of results. `basis` has the world, the options and the
-/// robot of the scenario.
+/// A name in one line; different names stay different.
+fn one_line(name: &str) -> String {
+    let mut line = String::with_capacity(name.len());
+    let mut rest = name.chars();
+    while let Some(character) = rest.next() {
+        match (character, rest.clone().next()) {
+            ('\n', _) => line += "\\n",
+            ('\r', _) => line += "\\r",
+            // a backslash that would be read as part of one of these
+            ('\\', Some('\n' | '\r' | 'n' | 'r' | '\\')) => line += "\\\\",
+            _ => line.push(character),
+        }
+    }
+    line
+}
+
+/// Runs an episode to its end, and returns its line of results; an empty one if it is given up. `basis` has
+/// the world, the options and the robot of the scenario.
 pub(super) fn of(
     identity: [String; CHECKSUM],
     inputs: Vec<String>,
@@ -126,8 +151,11 @@ pub(super) fn of(
     run: Run,
 ) -> Vec<u8> {
     let drawn = drawn(&scenario);
-    let results = basis.prepare(scenario).and_then(|prepared| carry_out(&prepared, run));
-    let results = results.unwrap_or_else(|error| not_begun(&words(&error)));
+    let results = match basis.prepare(scenario).and_then(|prepared| carry_out(&prepared, run)) {
+        Ok(None) => return Vec::new(),
+        Ok(Some(figures)) => figures,
+        Err(error) => not_begun(&words(&error)),
+    };
     let line = line(identity.into_iter().chain([String::new()]).chain(inputs).chain(drawn).chain(results));
     let ([begin, _, end], checksum) = split(&line).expect("a row has columns before and after its checksum");
     [begin, checksum.as_bytes(), end].concat()
@@ -143,6 +171,11 @@ fn split(line: &[u8]) -> Option<([&[u8]; 3], String)> {
     hasher.update(&line[..begin]);
     hasher.update(&line[end..]);
     Some(([&line[..begin], &line[begin..end], &line[end..]], format!("{:08x}", hasher.finalize())))
+}
+
+/// The checksum in the fields of a row.
+pub(super) fn checksum(fields: &csv::StringRecord) -> &str {
+    &fields[CHECKSUM]
 }
 
 /// The checksum of a row, and the one that its values have, if they differ.
@@ -161,21 +194,15 @@ fn drawn(scenario: &Scenario) -> [String; DRAWN.len()] {
     [scenario.seed.to_string(), alpha.to_string(), gamma.to_string(), changes]
 }
 
-/// Makes the episode of a prepared scenario and runs it to its end.
-pub type Run<'r> = &'r dyn for<'s> Fn(&'s PreparedScenario) -> Result<Episode<'s>, Error>;
-
-/// The [`Run`] of the partners that the scenario names.
-pub(super) fn to_its_end(prepared: &PreparedScenario) -> Result<Episode<'_>, Error> {
-    let mut episode = prepared.episode()?;
-    while episode.step().is_none() {}
-    Ok(episode)
-}
+/// Makes the episode of a prepared scenario and runs it to its end; `None` if it is given up.
+pub(super) type Run<'r> = &'r dyn for<'s> Fn(&'s PreparedScenario) -> Result<Option<Episode<'s>>, Error>;
 
 /// The figures of a finished episode.
-fn carry_out(prepared: &PreparedScenario, run: Run) -> Result<Vec<String>, Error> {
+fn carry_out(prepared: &PreparedScenario, run: Run) -> Result<Option<Vec<String>>, Error> {
     let episode = run(prepared)?;
-    let figures = View::new(prepared, &episode).read(EPISODE);
-    Ok(figures.iter().map(|(_, value)| value.cell()).collect())
+    let figures = |episode| View::new(prepared, &episode).read(EPISODE);
+    let cells = |episode| figures(episode).iter().map(|(_, value)| value.cell()).collect();
+    Ok(episode.map(cells))
 }
 
 /// The figures of an episode that could not begin.
@@ -197,6 +224,11 @@ fn word(word: &str) -> Option<String> {
 }
 
 impl Inputs<'_> {
+    /// The version and the digest of a custom partner.
+    fn code(&self, which: usize) -> Option<String> {
+        self.contents.partners.custom(which, self.cell).map(|[_, code]| code.to_owned())
+    }
+
     fn belief(&self) -> [Option<String>; 2] {
         match &self.contents.beliefs[self.cell.belief].1 {
             cocarry::preference::Belief::Independent { alpha, gamma } => [some(alpha), some(gamma)],
@@ -213,4 +245,25 @@ pub(super) fn arrived() -> &'static str {
 /// The plant on which noise may change the cost of equal choices.
 pub(super) fn with_bodies() -> &'static str {
     PlantKind::Rapier.name()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_one_line_differ_where_the_names_do() {
+        let parts = ["\\", "\n", "\r", "n", "r", "a", " "];
+        let mut lines = std::collections::BTreeMap::new();
+        let mut names = vec![String::new()];
+        for _ in 0..4 {
+            names = names.iter().flat_map(|name| parts.map(|part| format!("{name}{part}"))).collect();
+            for name in &names {
+                let line = one_line(name);
+                assert!(!line.contains(['\n', '\r']), "{line:?}");
+                assert_eq!(lines.insert(line, name.clone()), None, "{name:?}");
+            }
+        }
+        assert_eq!(one_line("rooms/a b.toml"), "rooms/a b.toml");
+    }
 }

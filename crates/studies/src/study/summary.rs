@@ -1,13 +1,16 @@
-//! Means, deviations and intervals of a study's results, and paired comparisons over the same seeds, in one
-//! pass. Memory grows with the number of combinations, not of rows.
+//! Means, deviations and intervals of a study's results, and paired comparisons of the same humans.
+//!
+//! The rows of one study are read in one pass: memory grows with the number of combinations, not of rows. Rows
+//! of several studies are kept, about 200 bytes each, and paired by their seeds.
 
 use super::cell::MAX_RUN;
-use super::results::Rows;
+use super::compared::{Comparing, nothing};
+use super::error::Position;
+use super::results::{Identity, Results, Rows};
 use super::{SweepError, row};
-use crate::statistics::{self, Estimate, Moments, Paired};
+use crate::statistics::{self, Estimate, Moments, Paired, UnitMoments};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::path::Path;
 
 /// The columns that are summarised: costs, which are compared too, then outcomes for the human.
 pub const OUTCOMES: [&str; 7] = [
@@ -19,31 +22,31 @@ pub const OUTCOMES: [&str; 7] = [
     "share_off_preference",
     "preferred_option_switches",
 ];
-/// The number of columns that are compared.
-const COSTS: usize = 2;
+/// The number of columns that are compared unless others are asked for.
+pub(super) const COSTS: usize = 2;
 /// The largest number of comparisons.
 const MAX_PAIRS: usize = 1_000_000;
 /// The columns of the human's choices: different values mean different choices.
 const CHOICES: [&str; 4] = ["preferred_at_start", "first_option", "last_option", "option_change_count"];
-/// The inputs that are compared, all others being equal: groups of columns that belong together.
-const COMPARED: [&[&str]; 2] = [&["method"], &["pose", "pose_criterion", "prepare_while_leading"]];
 
-/// The summary of a study's results.
+/// The summary of results.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
-    /// The study's digest.
+    /// The study's digest; of several studies, all, separated by spaces.
     pub study: String,
     /// The number of rows read.
     pub rows: u64,
-    /// The number of episodes of the whole study.
+    /// The number of episodes of the whole studies.
     pub episodes: u64,
     /// The inputs that vary between rows.
     pub varied: Vec<String>,
     /// One group for every combination, in the order in which they appear.
     pub groups: Vec<Group>,
-    /// One comparison for every cost and every two combinations that differ only in the method, or only in the
-    /// choice of the pose.
+    /// One comparison for every quantity and every two combinations that differ only in what is compared.
     pub comparisons: Vec<Comparison>,
+    /// What a reader should know of the rows.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
 }
 
 /// The episodes of one combination.
@@ -63,19 +66,21 @@ pub struct Group {
 /// The comparison of two combinations that differ in one input, over the seeds with which both arrived.
 #[derive(Clone, Debug, Serialize)]
 pub struct Comparison {
-    /// The column of the compared cost.
+    /// The column of the compared quantity.
     pub cost: &'static str,
     /// The first combination, by the compared input.
     pub first: String,
     /// The second combination.
     pub second: String,
-    /// Their common inputs, as far as they vary in the study.
+    /// Their common inputs, as far as they vary in the results.
     pub inputs: BTreeMap<String, String>,
-    /// The cost of the first minus that of the second, with the same seed; corrected for all tested
+    /// The quantity of the first minus that of the second, with the same seed; corrected for all tested
     /// comparisons of the summary.
     pub difference: Paired,
-    /// The share of the pairs in which the first costs less.
+    /// The share of the pairs in which the first is lower.
     pub share_lower: f64,
+    /// The number of pairs of which both arrived, the first alone, the second alone, and none.
+    pub arrivals: [u64; 4],
 }
 
 /// The state of a combination while rows are read.
@@ -87,41 +92,51 @@ struct Cell {
     choices: Choices,
     /// Whether episodes with equal choices may differ by noise, since bodies sway.
     is_noisy: bool,
-    /// Its class for each compared input: combinations of a class differ in this input only.
-    classes: [usize; COMPARED.len()],
+    /// Its class for each kind of comparison: combinations of a class differ in what is compared only.
+    classes: Vec<usize>,
+    /// The first combination that differs in nothing but what is averaged over.
+    condition: usize,
 }
 
 /// Whether the humans so far make the same choices.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Choices {
-    first: Option<Vec<String>>,
+    first: Option<Vec<u32>>,
     differ: bool,
 }
 
 impl Choices {
-    fn add(&mut self, choices: &[String]) {
+    fn add(&mut self, choices: &[u32]) {
         let first = self.first.get_or_insert_with(|| choices.to_vec());
         self.differ |= first != choices;
     }
 }
 
-/// An episode that arrived.
+/// An episode.
+#[derive(Clone)]
 struct End {
+    seed: u64,
     cell: usize,
-    outcomes: [Option<f64>; OUTCOMES.len()],
-    choices: Vec<String>,
+    has_arrived: bool,
+    /// The outcomes, then the compared quantities; NaN where there is none.
+    values: Box<[f64]>,
+    /// The human's choices, by number.
+    choices: u32,
+    /// Its file and its place there.
+    place: (u32, Position),
 }
 
-/// The differences of a pair of cells.
-#[derive(Default)]
+/// The differences of a pair of conditions.
+#[derive(Clone, Default)]
 struct Differences {
-    moments: Moments,
-    lower: u64,
+    units: UnitMoments,
+    /// The choices of the present human.
+    present: Vec<u32>,
     choices: Choices,
 }
 
-/// A compared input, two cells and a cost.
-type Pair = (usize, usize, usize, usize);
+/// A kind of comparison and two conditions; then a quantity.
+type Pair = (usize, usize, usize);
 
 impl Cell {
     /// Whether the humans differ by more than noise.
@@ -134,124 +149,248 @@ impl Cell {
 struct Places {
     seed: usize,
     outcome: usize,
-    outcomes: [usize; OUTCOMES.len()],
-    choices: [usize; CHOICES.len()],
     plant: usize,
+    values: Vec<usize>,
+    choices: [usize; CHOICES.len()],
+    inputs: std::ops::Range<usize>,
 }
 
-#[derive(Default)]
-struct SummaryReader {
-    cells: Vec<Cell>,
-    known: BTreeMap<Vec<String>, usize>,
-    classes: BTreeMap<(usize, Vec<String>), usize>,
-    /// The pairs, by compared input, two cells, and cost.
-    pairs: BTreeMap<Pair, Differences>,
-    /// The present seed, and the costs of its episodes that arrived.
-    seed: Option<String>,
-    ends: Vec<End>,
-}
-
-impl Summary {
-    /// Reads a file of results: of a whole study, a shard, or an unfinished sweep.
-    ///
-    /// # Errors
-    /// [`SweepError`], which names the file and the line.
-    pub fn load(path: &Path) -> Result<Self, SweepError> {
-        let mut rows = Rows::open(path)?;
+impl Places {
+    fn of(comparing: &Comparing) -> Self {
         let columns = row::columns();
         let at =
             |name: &str| columns.iter().position(|column| *column == name).expect("a column of the rows");
-        let places = Places {
+        let first = row::IDENTITY.len();
+        Self {
             seed: at("seed"),
             outcome: at("outcome"),
-            outcomes: OUTCOMES.map(at),
-            choices: CHOICES.map(at),
             plant: at("plant"),
-        };
-        let first_input = row::IDENTITY.len();
-        let inputs = first_input..first_input + row::input_columns().count();
-        let mut reader = SummaryReader::default();
-        let mut first = None;
-        let mut count = 0;
-        while let Some(identity) = rows.next()? {
-            let fields = rows.fields(columns.len())?;
-            let begin = first.get_or_insert_with(|| identity.clone());
-            if identity.arithmetic != begin.arithmetic {
-                return Err(SweepError::other_arithmetic(
-                    format!("{}: {}", rows.file, rows.position()),
-                    identity.arithmetic,
-                    "its first row".to_owned(),
-                    begin.arithmetic.clone(),
-                ));
-            }
-            if identity.study != begin.study || identity.episode != begin.episode + count {
-                return Err(SweepError::row(
-                    rows.position(),
-                    rows.file,
-                    format!("episode {} of study {}", identity.episode, identity.study),
-                    format!("episode {} of study {}", begin.episode + count, begin.study),
-                ));
-            }
-            count += 1;
-            reader.add(&fields, inputs.clone(), &places);
-            reader.check(&rows)?;
+            values: OUTCOMES.iter().chain(comparing.quantities()).map(|name| at(name)).collect(),
+            choices: CHOICES.map(at),
+            inputs: first..first + row::input_columns().count(),
         }
-        reader.end_of_seed();
-        reader.check(&rows)?;
-        let first = first.ok_or_else(|| SweepError::empty(rows.file.clone()))?;
-        Ok(reader.summary(first.study, count, first.episodes))
     }
 }
 
-impl SummaryReader {
-    fn add(
-        &mut self,
-        fields: &csv::StringRecord,
-        inputs: std::ops::Range<usize>,
-        &Places { seed, outcome, outcomes, choices, plant }: &Places,
-    ) {
-        if self.seed.as_deref() != Some(&fields[seed]) {
-            self.end_of_seed();
-            self.seed = Some(fields[seed].to_owned());
+struct SummaryReader<'a> {
+    comparing: &'a Comparing,
+    places: Places,
+    names: Vec<String>,
+    cells: Vec<Cell>,
+    known: BTreeMap<Vec<String>, usize>,
+    classes: BTreeMap<(usize, Vec<String>), usize>,
+    conditions: BTreeMap<Vec<String>, usize>,
+    choices: BTreeMap<String, u32>,
+    pairs: BTreeMap<(Pair, usize), Differences>,
+    arrivals: BTreeMap<Pair, [u64; 4]>,
+    /// The episodes that are not paired yet.
+    ends: Vec<End>,
+    /// Rows that repeat another.
+    repeated: u64,
+}
+
+/// What the rows are of.
+#[derive(Default)]
+struct Origins {
+    rows: u64,
+    unchecked: u64,
+    /// Number of episodes by digest of the study, in the order of appearance.
+    studies: Vec<(String, u64)>,
+    arithmetics: Vec<String>,
+    /// The identity of the row before.
+    last: Option<Identity>,
+}
+
+impl Origins {
+    /// Adds a row; whether it is the next of the same study, or the first.
+    fn add(&mut self, identity: Identity) -> bool {
+        let is_next = self.last.as_ref().is_none_or(|last| {
+            (&last.study, &last.arithmetic, last.episode + 1)
+                == (&identity.study, &identity.arithmetic, identity.episode)
+        });
+        self.rows += 1;
+        if !self.studies.iter().any(|(study, _)| *study == identity.study) {
+            self.studies.push((identity.study.clone(), identity.episodes));
         }
-        let cell = self.cell(inputs.map(|i| fields[i].to_owned()).collect());
-        let outcomes = outcomes.map(|i| fields[i].parse::<f64>().ok().filter(|value| value.is_finite()));
-        let this = &mut self.cells[cell];
-        this.n += 1;
-        this.is_noisy = &fields[plant] == row::with_bodies();
-        if &fields[outcome] == row::arrived() {
-            this.arrived += 1;
-            for (moments, value) in this.outcomes.iter_mut().zip(outcomes) {
-                value.into_iter().for_each(|value| moments.add(value, value.abs()));
-            }
-            let choices: Vec<String> = choices.iter().map(|&i| fields[i].to_owned()).collect();
-            this.choices.add(&choices);
-            self.ends.push(End { cell, outcomes, choices });
+        if !self.arithmetics.contains(&identity.arithmetic) {
+            self.arithmetics.push(identity.arithmetic.clone());
+        }
+        self.last = Some(identity);
+        is_next
+    }
+
+    fn notes(&self, repeated: u64) -> Vec<String> {
+        let mut notes = Vec::new();
+        if self.unchecked > 0 {
+            notes.push(format!(
+                "{} of {} rows were written by another program, or without a checksum: their values could not be checked, and may be rounded",
+                self.unchecked, self.rows
+            ));
+        }
+        if repeated > 0 {
+            notes.push(format!("{repeated} rows repeat others, and count once"));
+        }
+        if self.arithmetics.len() > 1 {
+            notes.push(format!(
+                "the rows were calculated with different arithmetic ({}): last bits of their results may differ",
+                self.arithmetics.join(", ")
+            ));
+        }
+        notes
+    }
+}
+
+impl Summary {
+    /// Reads results: of whole studies, shards, or unfinished sweeps, also of several, one after the other in
+    /// a file, or in several files.
+    ///
+    /// # Errors
+    /// [`SweepError`], which names the file and the line: a row is damaged, or one of the same combination and
+    /// seed has other values.
+    pub fn load(results: &[Results], comparing: &Comparing) -> Result<Self, SweepError> {
+        match Self::read(results, comparing, true)? {
+            Some(summary) => Ok(summary),
+            // several studies: rows of a seed are apart
+            None => Ok(Self::read(results, comparing, false)?.unwrap_or_else(|| unreachable!())),
         }
     }
 
-    fn cell(&mut self, inputs: Vec<String>) -> usize {
+    /// The same; with `in_order`, `None` if the rows are not those of one study in its order.
+    fn read(
+        results: &[Results],
+        comparing: &Comparing,
+        in_order: bool,
+    ) -> Result<Option<Self>, SweepError> {
+        let names = results.iter().map(Results::name).collect();
+        let mut reader = SummaryReader::new(comparing, names);
+        let mut origins = Origins::default();
+        for (file, results) in results.iter().enumerate() {
+            let mut rows = Rows::of(*results)?;
+            while let Some(identity) = rows.next()? {
+                if !origins.add(identity) && in_order {
+                    return Ok(None);
+                }
+                let fields = rows.checked_fields()?;
+                reader.add(&fields, (file as u32, rows.position()), in_order)?;
+                reader.check(&rows)?;
+            }
+            rows.check_all()?;
+            origins.unchecked += rows.unchecked;
+        }
+        reader.end()?;
+        if origins.rows == 0 {
+            return Err(SweepError::empty(reader.names.join(", ")));
+        }
+        Ok(Some(reader.summary(&origins)))
+    }
+
+    /// The inputs that vary and that combinations are named by: without those that repeat what a name tells.
+    pub fn named(&self) -> Vec<&str> {
+        let has_several = |name: &str, code: &str| {
+            let mut codes: BTreeMap<&str, &str> = BTreeMap::new();
+            self.groups.iter().any(|group| {
+                let code = group.inputs[code].as_str();
+                *codes.entry(&group.inputs[name]).or_insert(code) != code
+            })
+        };
+        let is_named = |column: &&str| match *column {
+            "humans_alpha" | "humans_gamma" | "belief_alpha" | "belief_gamma" => false,
+            "policy_code" => has_several("method", column),
+            "human_code" => has_several("human_model", column),
+            _ => true,
+        };
+        self.varied.iter().map(String::as_str).filter(is_named).collect()
+    }
+
+    /// The check that there is something to compare by this input.
+    ///
+    /// # Errors
+    /// No two combinations differ in it alone.
+    pub fn check_compared(&self, names: &[String], by: &str) -> Result<(), SweepError> {
+        if self.comparisons.is_empty() { Err(nothing(names, by)) } else { Ok(()) }
+    }
+}
+
+impl<'a> SummaryReader<'a> {
+    fn new(comparing: &'a Comparing, names: Vec<String>) -> Self {
+        Self {
+            comparing,
+            places: Places::of(comparing),
+            names,
+            cells: Vec::new(),
+            known: BTreeMap::new(),
+            classes: BTreeMap::new(),
+            conditions: BTreeMap::new(),
+            choices: BTreeMap::new(),
+            pairs: BTreeMap::new(),
+            arrivals: BTreeMap::new(),
+            ends: Vec::new(),
+            repeated: 0,
+        }
+    }
+
+    fn add(
+        &mut self,
+        fields: &csv::StringRecord,
+        place: (u32, Position),
+        in_order: bool,
+    ) -> Result<(), SweepError> {
+        let seed = self.seed(&fields[self.places.seed], place)?;
+        if in_order && self.ends.last().is_some_and(|last| last.seed != seed) {
+            self.end_of_seed()?;
+        }
+        let inputs = self.places.inputs.clone().map(|i| fields[i].to_owned()).collect();
+        let cell = self.cell(inputs, &fields[self.places.plant] == row::with_bodies());
+        let value = |&i: &usize| fields[i].parse::<f64>().ok().filter(|value| value.is_finite());
+        let values = self.places.values.iter().map(|i| value(i).unwrap_or(f64::NAN)).collect();
+        let choices: Vec<&str> = self.places.choices.iter().map(|&i| &fields[i]).collect();
+        let next = self.choices.len() as u32;
+        let choices = *self.choices.entry(choices.join("\0")).or_insert(next);
+        let has_arrived = &fields[self.places.outcome] == row::arrived();
+        self.ends.push(End { seed, cell, has_arrived, values, choices, place });
+        Ok(())
+    }
+
+    fn seed(&self, text: &str, place: (u32, Position)) -> Result<u64, SweepError> {
+        text.parse().map_err(|_| {
+            let found = format!("of the seed `{}`", text.chars().take(60).collect::<String>());
+            self.wrong_row(place, found, "of a seed that is a whole number of at least 0")
+        })
+    }
+
+    fn wrong_row(&self, (file, position): (u32, Position), found: String, expected: &str) -> SweepError {
+        SweepError::row(position, self.names[file as usize].clone(), found, expected.to_owned())
+    }
+
+    fn cell(&mut self, inputs: Vec<String>, is_noisy: bool) -> usize {
         if let Some(&known) = self.known.get(&inputs) {
             return known;
         }
-        let classes = std::array::from_fn(|what| {
-            let rest = row::input_columns().zip(&inputs);
-            let rest =
-                rest.filter(|(name, _)| !COMPARED[what].contains(name)).map(|(_, v)| v.clone()).collect();
+        let without = |is_left_out: &dyn Fn(&str) -> bool| -> Vec<String> {
+            let all = row::input_columns().zip(&inputs);
+            all.filter(|(name, _)| !is_left_out(name)).map(|(_, value)| value.clone()).collect()
+        };
+        let class = |kind: usize| {
             let next = self.classes.len();
-            *self.classes.entry((what, rest)).or_insert(next)
-        });
+            let rest = without(&|name| self.comparing.is_by(kind, name));
+            *self.classes.entry((kind, rest)).or_insert(next)
+        };
+        let classes = (0..self.comparing.kinds()).map(class).collect();
+        let this = self.cells.len();
+        let condition = without(&|name| self.comparing.is_over(name));
+        let condition = *self.conditions.entry(condition).or_insert(this);
         self.cells.push(Cell {
             inputs: inputs.clone(),
             n: 0,
             arrived: 0,
             outcomes: [Moments::default(); OUTCOMES.len()],
             choices: Choices::default(),
-            is_noisy: false,
+            is_noisy,
             classes,
+            condition,
         });
-        self.known.insert(inputs, self.cells.len() - 1);
-        self.cells.len() - 1
+        self.known.insert(inputs, this);
+        this
     }
 
     /// The check that combinations and comparisons stay within their limits.
@@ -267,42 +406,78 @@ impl SummaryReader {
         }
     }
 
-    /// Compares the episodes of a finished seed.
-    fn end_of_seed(&mut self) {
-        let ends = std::mem::take(&mut self.ends);
-        for what in 0..COMPARED.len() {
-            let mut classes: BTreeMap<usize, Vec<&End>> = BTreeMap::new();
-            for end in &ends {
-                classes.entry(self.cells[end.cell].classes[what]).or_default().push(end);
+    /// Pairs all episodes that are left.
+    fn end(&mut self) -> Result<(), SweepError> {
+        let mut ends = std::mem::take(&mut self.ends);
+        ends.sort_by_key(|end| end.seed);
+        for seed in ends.chunk_by(|a, b| a.seed == b.seed) {
+            self.ends = seed.to_vec();
+            self.end_of_seed()?;
+            if self.pairs.len() > MAX_PAIRS {
+                let most = format!("the last of at most {MAX_PAIRS} comparisons");
+                return Err(self.wrong_row(seed[0].place, "too much for a summary".to_owned(), &most));
             }
-            for class in classes.values() {
-                for (i, first) in class.iter().enumerate() {
-                    for second in &class[i + 1..] {
-                        self.compare(what, first, second);
-                    }
+        }
+        Ok(())
+    }
+
+    /// Counts and compares the episodes of a finished seed.
+    fn end_of_seed(&mut self) -> Result<(), SweepError> {
+        let mut ends = std::mem::take(&mut self.ends);
+        ends.sort_by_key(|end| end.cell);
+        let mut ends = ends.into_iter().peekable();
+        let mut once: Vec<End> = Vec::new();
+        while let Some(end) = ends.next() {
+            match once.last().filter(|last| last.cell == end.cell) {
+                None => once.push(end),
+                Some(last) if last.is_equal(&end) => self.repeated += 1,
+                Some(_) => {
+                    let found = format!("of a combination that has seed {} already, with other results", end.seed);
+                    return Err(self.wrong_row(end.place, found, "another combination or seed"));
                 }
             }
         }
+        once.iter().for_each(|end| self.cells[end.cell].add(end));
+        for kind in 0..self.comparing.kinds() {
+            let mut classes: BTreeMap<usize, Vec<&End>> = BTreeMap::new();
+            for end in &once {
+                classes.entry(self.cells[end.cell].classes[kind]).or_default().push(end);
+            }
+            for class in classes.values() {
+                for (i, first) in class.iter().enumerate() {
+                    class[i + 1..].iter().for_each(|second| self.compare(kind, first, second));
+                }
+            }
+        }
+        self.pairs.values_mut().for_each(Differences::end_unit);
+        Ok(())
     }
 
-    fn compare(&mut self, what: usize, a: &End, b: &End) {
+    fn compare(&mut self, kind: usize, a: &End, b: &End) {
         // then the check fails
         if self.pairs.len() > MAX_PAIRS {
             return;
         }
-        let (a, b) = if a.cell <= b.cell { (a, b) } else { (b, a) };
-        let both = [&a.choices[..], &b.choices[..]].concat();
-        for cost in 0..COSTS {
-            if let (Some(first), Some(second)) = (a.outcomes[cost], b.outcomes[cost]) {
-                let pair = self.pairs.entry((what, a.cell, b.cell, cost)).or_default();
-                pair.moments.add(first - second, first.abs().max(second.abs()));
-                pair.lower += u64::from(first < second);
-                pair.choices.add(&both);
+        let [first, second] = [a, b].map(|end| self.cells[end.cell].condition);
+        let ((first, a), (second, b)) =
+            if first <= second { ((first, a), (second, b)) } else { ((second, b), (first, a)) };
+        let pair = (kind, first, second);
+        let which = [[3, 2], [1, 0]][usize::from(a.has_arrived)][usize::from(b.has_arrived)];
+        self.arrivals.entry(pair).or_default()[which] += 1;
+        if which > 0 {
+            return;
+        }
+        for quantity in 0..self.comparing.quantities().len() {
+            let [first, second] = [a, b].map(|end| end.values[OUTCOMES.len() + quantity]);
+            if first.is_finite() && second.is_finite() {
+                let differences = self.pairs.entry((pair, quantity)).or_default();
+                differences.units.add_pair(first, second);
+                differences.present.extend([a.choices, b.choices]);
             }
         }
     }
 
-    fn summary(self, study: String, rows: u64, episodes: u64) -> Summary {
+    fn summary(self, origins: &Origins) -> Summary {
         let names: Vec<&str> = row::input_columns().collect();
         let is_varied = |i: &usize| self.cells.iter().any(|cell| cell.inputs[*i] != self.cells[0].inputs[*i]);
         let varied: Vec<usize> = (0..names.len()).filter(is_varied).collect();
@@ -315,39 +490,86 @@ impl SummaryReader {
                 .zip(cell.outcomes.iter().map(|moments| moments.estimate(cell.is_sample())))
                 .collect(),
         };
-        let comparison = |(&(what, first, second, cost), pair): (&Pair, &Differences)| {
-            let [of_first, of_second] = [first, second].map(|cell| &self.cells[cell].inputs);
-            let differs = |i: &usize| COMPARED[what].contains(&names[*i]) && of_first[*i] != of_second[*i];
+        let comparison = |(&(pair, quantity), found): (&(Pair, usize), &Differences)| {
+            let (kind, first, second) = pair;
+            let cells = [first, second].map(|cell| &self.cells[cell]);
+            let [of_first, of_second] = cells.map(|cell| &cell.inputs);
+            let is_by = |i: &usize| self.comparing.is_by(kind, names[*i]);
+            let differs = |i: &usize| is_by(i) && of_first[*i] != of_second[*i];
             let differing: Vec<usize> = (0..names.len()).filter(differs).collect();
-            let label = |values: &[String]| {
-                let words = differing.iter().map(|&i| match values[i].as_str() {
-                    "true" => names[i],
-                    "false" => "",
-                    word => word,
-                });
-                words.filter(|word| !word.is_empty()).collect::<Vec<_>>().join(" ")
-            };
-            let common = varied.iter().filter(|i| !COMPARED[what].contains(&names[**i]));
+            let common = varied.iter().filter(|i| !is_by(i) && !self.comparing.is_over(names[**i]));
+            let is_sample = found.choices.differ || !cells.iter().any(|cell| cell.is_noisy);
             Some(Comparison {
-                cost: OUTCOMES[cost],
-                first: label(of_first),
-                second: label(of_second),
+                cost: self.comparing.quantities()[quantity],
+                first: label(&names, of_first, &differing),
+                second: label(&names, of_second, &differing),
                 inputs: common.map(|&i| (names[i].to_owned(), of_first[i].clone())).collect(),
-                difference: Paired::of(&pair.moments, pair.choices.differ || !self.cells[first].is_noisy)?,
-                share_lower: pair.lower as f64 / pair.moments.count() as f64,
+                difference: Paired::of(found.units.moments(), is_sample)?,
+                share_lower: found.units.share_below(),
+                arrivals: self.arrivals[&pair],
             })
         };
         let mut comparisons: Vec<Comparison> = self.pairs.iter().filter_map(comparison).collect();
         statistics::correct(comparisons.iter_mut().map(|comparison| &mut comparison.difference));
+        let studies: Vec<&str> = origins.studies.iter().map(|(study, _)| study.as_str()).collect();
         Summary {
-            study,
-            rows,
-            episodes,
+            study: studies.join(" "),
+            rows: origins.rows,
+            episodes: origins.studies.iter().map(|(_, episodes)| episodes).sum(),
             varied: varied.iter().map(|i| names[*i].to_owned()).collect(),
             groups: self.cells.iter().map(group).collect(),
             comparisons,
+            notes: origins.notes(self.repeated),
         }
     }
+}
+
+impl Cell {
+    fn add(&mut self, end: &End) {
+        self.n += 1;
+        if end.has_arrived {
+            self.arrived += 1;
+            let values = self.outcomes.iter_mut().zip(&end.values);
+            values.filter(|(_, v)| v.is_finite()).for_each(|(moments, v)| moments.add(*v, v.abs()));
+            self.choices.add(&[end.choices]);
+        }
+    }
+}
+
+impl End {
+    fn is_equal(&self, other: &Self) -> bool {
+        let bits = |end: &Self| end.values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+        (self.has_arrived, self.choices, bits(self)) == (other.has_arrived, other.choices, bits(other))
+    }
+}
+
+impl Differences {
+    fn end_unit(&mut self) {
+        if !self.present.is_empty() {
+            self.units.end_unit();
+            self.choices.add(&self.present);
+            self.present.clear();
+        }
+    }
+}
+
+/// A combination by the inputs that differ from another's: their words, and the names of flags. The code of a
+/// partner is left out where the name tells which one it is.
+fn label(names: &[&str], values: &[String], differing: &[usize]) -> String {
+    let is_told = |name: &str| {
+        let partner = match name {
+            "policy_code" => "method",
+            "human_code" => "human_model",
+            _ => return false,
+        };
+        differing.iter().any(|&i| names[i] == partner)
+    };
+    let words = differing.iter().filter(|&&i| !is_told(names[i])).map(|&i| match values[i].as_str() {
+        "true" => names[i],
+        "false" => "",
+        word => word,
+    });
+    words.filter(|word| !word.is_empty()).collect::<Vec<_>>().join(" ")
 }
 
 #[cfg(test)]
@@ -357,8 +579,7 @@ mod tests {
     #[test]
     fn the_columns_that_are_read_are_written() {
         let columns = row::columns();
-        let compared = COMPARED.into_iter().flatten().copied();
-        for name in ["seed", "outcome", "plant"].into_iter().chain(OUTCOMES).chain(CHOICES).chain(compared) {
+        for name in ["seed", "outcome", "plant"].into_iter().chain(OUTCOMES).chain(CHOICES) {
             assert!(columns.contains(&name), "{name}");
         }
     }

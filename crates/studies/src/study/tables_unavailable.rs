@@ -1,7 +1,7 @@
 //! The replacement of `tables` in a program without the feature `parquet`: it refuses Parquet files.
 
 use super::origin::Origin;
-use super::{Study, SweepError};
+use super::{EpisodeMaker, Study, SweepError};
 use std::convert::Infallible;
 use std::fs::File;
 use std::io::{self, Read, Write};
@@ -71,7 +71,7 @@ impl Ticks {
 pub(super) struct Layout(Infallible);
 
 impl Layout {
-    pub fn run(&self, _: &Study, _: u64) -> (Vec<u8>, Infallible) {
+    pub fn run(&self, _: &Study, _: u64, _: &dyn EpisodeMaker) -> (Vec<u8>, Infallible) {
         match self.0 {}
     }
 }

@@ -180,7 +180,7 @@ impl Reader {
         let row = self.next;
         self.next += 1;
         let columns = self.batch.iter().flat_map(RecordBatch::columns);
-        Ok(row::line(columns.map(|column| cell(column, row))))
+        Ok(row::line_of_cells(columns.map(|column| cell(column, row))))
     }
 }
 

@@ -8,7 +8,7 @@
 
 use super::{ARITHMETIC, DIGEST, open, properties, system_error, unread, value_of};
 use crate::columns::Columns;
-use crate::study::{Origin, Study, SweepError, row};
+use crate::study::{EpisodeMaker, Origin, Study, SweepError, row};
 use arrow_array::RecordBatch;
 use arrow_schema::{ArrowError, SchemaRef};
 use cocarry::quantities::{Heading, TICK, Value, View};
@@ -72,8 +72,8 @@ impl Layout {
         Self { schema: Columns::new(&headings).schema().clone(), inputs }
     }
 
-    /// Runs an episode: its line of results, and its ticks.
-    pub fn run(&self, study: &Study, episode: u64) -> (Vec<u8>, Batch) {
+    /// Runs an episode: its line of results, which is empty if the episode is given up, and its ticks.
+    pub fn run(&self, study: &Study, episode: u64, maker: &dyn EpisodeMaker) -> (Vec<u8>, Batch) {
         let columns = RefCell::new(Columns::of_schema(self.schema.clone()));
         let Some((cell, seed)) = study.place(episode) else {
             return (Vec::new(), columns.into_inner().batch());
@@ -90,15 +90,11 @@ impl Layout {
             .chain(&after)
             .map(String::as_str)
             .collect();
-        let line = study.row_of(episode, cell, scenario, &|prepared| {
-            let mut episode = prepared.episode()?;
-            while episode.step().is_none() {
-                let view = View::new(prepared, &episode);
-                let values: Vec<Value> =
-                    TICK.into_iter().flat_map(|table| view.read(table)).map(|(_, value)| value).collect();
-                columns.borrow_mut().add(cells.iter().copied(), &values);
-            }
-            Ok(episode)
+        let line = study.row_of(episode, cell, scenario, maker, &|prepared, episode| {
+            let view = View::new(prepared, episode);
+            let values: Vec<Value> =
+                TICK.into_iter().flat_map(|table| view.read(table)).map(|(_, value)| value).collect();
+            columns.borrow_mut().add(cells.iter().copied(), &values);
         });
         (line, columns.into_inner().batch())
     }

@@ -1,0 +1,138 @@
+"""Results of sweeps: summaries, paired comparisons and pictures."""
+
+from __future__ import annotations
+
+import math
+import os
+import pathlib
+import warnings
+from collections.abc import Sequence
+from typing import Any, Literal
+
+from cocarry import _cocarry
+from cocarry._cocarry import StudyError, Table
+
+_Path = str | os.PathLike[str]
+
+
+class Picture:
+    """A picture, which a notebook shows."""
+
+    def __init__(self, svg: str) -> None:
+        #: The picture as SVG.
+        self.svg = svg
+
+    def save(self, file: _Path, *, overwrite: bool = False) -> pathlib.Path:
+        """Writes the picture into an SVG file, and returns its path. Raises StudyError if the file exists already,
+        unless ``overwrite``, or if its name does not end in ``.svg``."""
+        path = pathlib.Path(file)
+        if path.suffix.lower() != ".svg":
+            raise StudyError(f"{path}: expected the extension .svg")
+        try:
+            with path.open("w" if overwrite else "x", encoding="utf-8", newline="\n") as opened:
+                opened.write(self.svg)
+        except FileExistsError:
+            raise StudyError(f"{path}: exists already; overwrite=True replaces it") from None
+        except OSError as error:
+            raise StudyError(f"{path}: cannot be written: {error}") from error
+        return path
+
+    def _repr_svg_(self) -> str:
+        return self.svg
+
+    def __repr__(self) -> str:
+        return f"<cocarry.Picture, {len(self.svg)} bytes of SVG>"
+
+
+def compare(
+    *results: Any,
+    by: str | None = None,
+    over: str | Sequence[str] = (),
+    quantities: str | Sequence[str] = (),
+) -> Table:
+    """Compares results pair by pair: the same world, seed and human, under two methods, policies or other inputs.
+
+    results: tables of ``sweep``, data frames of polars or pandas with all their columns, and files of results. Rows are
+        paired across all of them; a row that is there twice counts once.
+    by: the input whose values are compared, all others being equal; by default the method, and the choice of the pose.
+    over: inputs over which each human's differences are averaged, so that a human counts once: ``over="world"``.
+    quantities: columns of figures; by default J (``accumulated_objective_cost_m``) and C (``accumulated_control_cost``).
+
+    Returns a row for every two combinations and every quantity, with: the inputs that both have, as far as they vary;
+    ``quantity``, ``first``, ``second``; ``pairs``, the number of seeds with which both arrived; ``difference``, the mean
+    of first minus second, with its 95 % interval (``difference_low``, ``difference_high``; Student's t) and ``std``;
+    ``effect_size``, the mean over the standard deviation; ``p_value`` of the two-sided paired t-test, and ``p_holm``,
+    corrected by Holm's method for all rows; ``share_lower``, the share of pairs in which the first is lower;
+    ``arrived_both``, ``arrived_first_only``, ``arrived_second_only`` and ``arrived_none``. Interval, effect size and
+    p-values are missing where outcomes do not vary: all humans make the same choices, so there is one outcome, however
+    often it was repeated.
+
+    Warns of rows that could not be checked. Raises StudyError with what would be right.
+    """
+    table, notes = _cocarry.compare(_given(results), by, _names(over), _names(quantities))
+    return _noted(table, notes)
+
+
+def summary(*results: Any) -> Table:
+    """Means over humans of every combination of results, which are given as to ``compare``.
+
+    Returns a row for each, with the inputs that vary; ``n`` and ``arrived``, numbers of episodes; and for every outcome
+    of those that arrived ``_mean``, ``_std``, and the 95 % interval ``_low`` to ``_high``, which is missing where all
+    humans make the same choices. Raises StudyError.
+    """
+    table, notes = _cocarry.summary(_given(results))
+    return _noted(table, notes)
+
+
+def plot(
+    *results: Any,
+    kind: Literal["means", "differences", "map"] = "means",
+    quantity: str = "accumulated_objective_cost_m",
+    by: str | None = None,
+    cells: int = 12,
+) -> Picture:
+    """Draws results, which are given as to ``compare``, as ``cocarry plot`` does.
+
+    kind: ``"means"`` with 95 % intervals; ``"differences"`` between what is compared ``by`` an input, paired by seed;
+        ``"map"``: means over the humans' alpha and gamma, each in ``cells`` intervals.
+    quantity: the column that is drawn.
+
+    Raises StudyError.
+    """
+    svg, notes = _cocarry.plot(_given(results), kind, quantity, by, cells)
+    return _noted(Picture(svg), notes)
+
+
+def _noted(found: Any, notes: list[str]) -> Any:
+    for note in notes:
+        warnings.warn(note, stacklevel=3)
+    return found
+
+
+def _names(given: str | Sequence[str]) -> list[str]:
+    return [given] if isinstance(given, str) else list(given)
+
+
+def _given(results: Sequence[Any]) -> list[Any]:
+    return [one if isinstance(one, (Table, str, os.PathLike)) else _frame(one) for one in results]
+
+
+def _frame(frame: Any) -> tuple[list[str], list[list[str]]]:
+    """Names and cells of a data frame, as texts."""
+    names = getattr(frame, "column_names", None) or getattr(frame, "columns", None)
+    if names is None or not hasattr(frame, "__getitem__"):
+        raise StudyError(
+            f"results: {type(frame).__name__} is not a table of sweep, a data frame or a file; expected one of these"
+        )
+    lists = []
+    for name in names:
+        column = frame[name]
+        listed = next((getattr(column, a) for a in ("to_list", "to_pylist", "tolist") if hasattr(column, a)), None)
+        lists.append([_cell(value) for value in (listed() if listed is not None else column)])
+    return [str(name) for name in names], lists
+
+
+def _cell(value: Any) -> str:
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return ""
+    return str(value).lower() if isinstance(value, bool) else str(value)
