@@ -25,7 +25,7 @@ def main() -> int:
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--cluster", default=None, help="slurm, local, or what submitit finds")
     given = parser.parse_args()
-    make = ["cocarry", "cluster", "slurm", given.study, "--out", given.results, "--shards", str(given.shards)]
+    make = ["cocarry", "cluster", "slurm", given.study, "--output", given.results, "--shards", str(given.shards)]
     subprocess.run([*make, "--no-submit"], check=True)
     executor = submitit.AutoExecutor(folder=f"{given.results}.job/logs", cluster=given.cluster)
     executor.update_parameters(cpus_per_task=given.threads, timeout_min=240, name="cocarry")

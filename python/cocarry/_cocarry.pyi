@@ -599,8 +599,8 @@ def study_episodes(
 ) -> int:
     """The number of episodes of a study. Raises StudyError."""
 
-def check_partner(given: Any) -> None:
-    """Raises DecisionError for what cannot decide."""
+def check_partner(what: str, given: Any) -> None:
+    """Raises DecisionError for what cannot decide; ``what`` is ``"policy"`` or ``"human"``."""
 
 def rows_table(lines: bytes) -> Table:
     """The table of lines of results, as ``study_rows`` returns them."""

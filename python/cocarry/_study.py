@@ -108,7 +108,7 @@ def sweep(
     if address is not None:
         raise StudyError('address = the address of a Ray cluster: needs backend = "ray"')
     tell = _bar if progress is True else progress or None
-    partners = {"policies": _partners("policy", policy), "humans": _partners("human", human)}
+    partners: dict[str, Any] = {"policies": _partners("policy", policy), "humans": _partners("human", human)}
     if processes is None:
         return _cocarry.sweep(
             text, file=file, folder=folder, seeds=seeds, shard=shard, threads=threads, **partners,
@@ -125,7 +125,7 @@ def sweep(
 def _in_processes(
     processes: int,
     source: dict[str, Any],
-    partners: dict[str, list[Partner]],
+    partners: dict[str, Any],
     out: str | os.PathLike[str] | None,
     overwrite: bool,
     tell: Callable[[int, int], object] | None,
@@ -156,7 +156,7 @@ def _in_processes(
     return rows.finish(table) if rows is not None else _cocarry.rows_table(b"".join(lines))
 
 
-def _block(source: dict[str, Any], partners: dict[str, list[Partner]], first: int, end: int) -> bytes:
+def _block(source: dict[str, Any], partners: dict[str, Any], first: int, end: int) -> bytes:
     return _cocarry.study_rows(**source, **partners, first=first, end=end)
 
 
@@ -172,7 +172,7 @@ def _partners(what: str, given: Any) -> list[Partner]:
         wrong = [name for name, one in given.items() if not isinstance(name, str) or isinstance(one, str)]
         if wrong or not given:
             raise StudyError(f"{what} = a mapping: it must have names and custom ones, and {wrong or 'it is empty'}")
-        return [_custom(one, name) for name, one in given.items()]
+        return [_custom(what, one, name) for name, one in given.items()]
     if not isinstance(given, (list, tuple)):
         return [_partner(what, given)]
     if not given:
@@ -182,14 +182,14 @@ def _partners(what: str, given: Any) -> list[Partner]:
 
 def _partner(what: str, given: Any) -> Partner:
     if not isinstance(given, str):
-        return _custom(given, _identity.name_of(given))
+        return _custom(what, given, _identity.name_of(given))
     if given not in _registry.registered(what):
         return given, None, None
-    return _custom(_registry.load(what, given), given, _registry.version(what, given))
+    return _custom(what, _registry.load(what, given), given, _registry.version(what, given))
 
 
-def _custom(given: Any, name: str, version: str | None = None) -> Partner:
-    _cocarry.check_partner(given)
+def _custom(what: str, given: Any, name: str, version: str | None = None) -> Partner:
+    _cocarry.check_partner(what, given)
     return name, _identity.code_of(given, version), given
 
 

@@ -17,9 +17,8 @@ struct Registered {
 /// Brings the registered policies to the program. A registry that cannot be read is told when a policy of it
 /// is asked for.
 pub fn provide(py: Python<'_>) {
-    let names: Vec<(String, String)> = registry(py)
-        .and_then(|registry| registry.call_method0("listed")?.extract())
-        .unwrap_or_default();
+    let names: Vec<(String, String)> =
+        registry(py).and_then(|registry| registry.call_method0("listed")?.extract()).unwrap_or_default();
     // the program's arguments live as long as the process
     let leaked = |text: String| -> &'static str { Box::leak(text.into_boxed_str()) };
     let names = names.into_iter().map(|(name, about)| (leaked(name), leaked(about))).collect();
@@ -50,7 +49,11 @@ impl CustomPolicies for Registered {
         self.of(name, |py| registry(py)?.call_method1("code", (name,))?.extract())
     }
 
-    fn begin<'s>(&self, name: &str, prepared: &'s PreparedScenario) -> Result<(Episode<'s>, Decisions), Error> {
+    fn begin<'s>(
+        &self,
+        name: &str,
+        prepared: &'s PreparedScenario,
+    ) -> Result<(Episode<'s>, Decisions), Error> {
         let own = self.of(name, |py| {
             let policy = registry(py)?.call_method1("load", ("policy", name))?;
             Own::of(Some(&policy), None)?.copied(py)

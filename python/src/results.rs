@@ -53,7 +53,9 @@ impl Held {
 
 fn held(given: Vec<GivenResults>) -> PyResult<Vec<Held>> {
     if given.is_empty() {
-        return Err(StudyError::new_err("there are no results; expected tables of sweep, data frames or files"));
+        return Err(StudyError::new_err(
+            "there are no results; expected tables of sweep, data frames or files",
+        ));
     }
     (1..).zip(given).map(|(number, given)| Held::of(number, given)).collect()
 }

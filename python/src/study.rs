@@ -8,8 +8,8 @@ use cocarry::scenario::PreparedScenario;
 use cocarry_studies::columns::Columns;
 use cocarry_studies::parallel::OnDone;
 use cocarry_studies::study::{
-    Custom, EpisodeMaker, Partner, Partners, Shard, Study, Sweep, SweepError, SweepOutputs, columns, read_rows,
-    rows_with,
+    Custom, EpisodeMaker, Partner, Partners, Shard, Study, Sweep, SweepError, SweepOutputs, columns,
+    read_rows, rows_with,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -36,7 +36,8 @@ struct Objects {
 fn split(policies: Vec<GivenPartner>, humans: Vec<GivenPartner>) -> PyResult<(Partners, Objects)> {
     // classes become objects once
     let made = |object: Option<Py<PyAny>>| {
-        Python::attach(|py| Own::of(object.as_ref().map(|object| object.bind(py)), None)).map(|own| own.policy)
+        Python::attach(|py| Own::of(object.as_ref().map(|object| object.bind(py)), None))
+            .map(|own| own.policy)
     };
     let part = |given: Vec<GivenPartner>| -> PyResult<(Vec<Partner>, Vec<Option<Py<PyAny>>>)> {
         let partner = |(name, code, object): GivenPartner| match code {
@@ -72,7 +73,11 @@ impl Maker<'_> {
 }
 
 impl EpisodeMaker for Maker<'_> {
-    fn begin<'s>(&self, prepared: &'s PreparedScenario, custom: Custom) -> Result<Episode<'s>, cocarry::Error> {
+    fn begin<'s>(
+        &self,
+        prepared: &'s PreparedScenario,
+        custom: Custom,
+    ) -> Result<Episode<'s>, cocarry::Error> {
         if custom == Custom::default() {
             return prepared.episode();
         }
@@ -167,8 +172,9 @@ fn table_of(lines: &[u8]) -> PyResult<Table> {
 
 /// The check that an object can decide.
 #[pyfunction]
-pub fn check_partner(given: &Bound<'_, PyAny>) -> PyResult<()> {
-    Own::of(Some(given), None).map(drop)
+pub fn check_partner(what: &str, given: &Bound<'_, PyAny>) -> PyResult<()> {
+    let (policy, human) = if what == "human" { (None, Some(given)) } else { (Some(given), None) };
+    Own::of(policy, human).map(drop)
 }
 
 /// The table of lines of results, as `study_rows` returns them.
@@ -296,7 +302,9 @@ impl Rows {
     /// Gives the results their name, and returns them as a table if it is wanted.
     fn finish(&mut self, py: Python<'_>, table: bool) -> PyResult<Option<Table>> {
         if self.is_custom && self.kept() < self.episodes() {
-            return Err(StudyError::new_err("episodes of custom partners are missing; append their rows first"));
+            return Err(StudyError::new_err(
+                "episodes of custom partners are missing; append their rows first",
+            ));
         }
         if let Some(sweep) = self.sweep().take() {
             let finished = py.detach(|| sweep.run(&|| {}, &AtomicBool::new(false)));

@@ -134,6 +134,7 @@ impl Table {
             let cells = || rows.iter().map(|row| row[i]).filter(|cell| !cell.is_null());
             let kind = match () {
                 () if cells().any(Json::is_string) => Kind::Text,
+                () if cells().next().is_some() && cells().all(Json::is_boolean) => Kind::Flag,
                 () if cells().next().is_some() && cells().all(Json::is_u64) => Kind::Count,
                 () => Kind::Number(""),
             };

@@ -98,7 +98,7 @@ def test_a_comparison_is_that_of_its_definition(both):
     assert set(found["first"]) == {"mine"} and set(found["second"]) == {"mutual"} and set(found["pairs"]) == {12}
     p_values = found["p_value"]
     for i in range(len(found)):
-        d = paired(both, "accumulated_objective_cost_m", world=found["world"][i], eta=float(found["eta"][i]))
+        d = paired(both, "accumulated_objective_cost_m", world=found["world"][i], eta=found["eta"][i])
         assert found["difference"][i] == pytest.approx(d.mean(), abs=1e-9)
         assert found["share_lower"][i] == np.mean(d < 0)
         if d.std() > 1e-9 * abs(both["accumulated_objective_cost_m"]).max():
@@ -151,7 +151,7 @@ def test_summaries_and_pictures(both, tmp_path):
     found = cocarry.summary(both)
     assert len(found) == 8 and set(found["n"]) == {12}
     i = list(found["method"]).index("mine")
-    is_one = np.all([both[key] == found[key][i] for key in ("world", "method")], axis=0) & (both["eta"] == float(found["eta"][i]))
+    is_one = np.all([both[key] == found[key][i] for key in ("world", "method")], axis=0) & (both["eta"] == found["eta"][i])
     assert found["accumulated_objective_cost_m_mean"][i] == pytest.approx(both["accumulated_objective_cost_m"][is_one].mean())
     for keywords in ({}, {"kind": "differences"}, {"kind": "map", "quantity": "final_discomfort"}):
         picture = cocarry.plot(both, **keywords)

@@ -242,7 +242,7 @@ STUDY = {"worlds": ["environment-1", "environment-4"], "plants": "point", "metho
 def test_a_sweep_is_that_of_the_program(tmp_path):
     study = tmp_path / "study.toml"
     study.write_text('worlds = ["environment-1", "environment-4"]\nplants = "point"\nmethods = ["mutual", "without-model"]\nseeds = 6\n')
-    program("sweep", str(study), "--out", str(tmp_path / "rows.csv"))
+    program("sweep", str(study), "--output", str(tmp_path / "rows.csv"))
     import polars
 
     ours, theirs = polars.DataFrame(cocarry.sweep(study)), polars.read_csv(tmp_path / "rows.csv", infer_schema_length=None)

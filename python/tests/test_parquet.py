@@ -42,7 +42,7 @@ def test_out_returns_the_table_of_a_sweep_and_its_file_has_the_bytes_of_the_prog
     again = cocarry.sweep(STUDY, out=tmp_path / "rows.parquet", threads=1)
     assert again == table
     (tmp_path / "study.toml").write_text(STUDY)
-    program = [sys.executable, "-m", "cocarry", "sweep", "study.toml", "--out"]
+    program = [sys.executable, "-m", "cocarry", "sweep", "study.toml", "--output"]
     subprocess.run([*program, "program.parquet"], cwd=tmp_path, check=True, capture_output=True)
     whole = (files / "rows.parquet").read_bytes()
     assert (tmp_path / "rows.parquet").read_bytes() == whole == (tmp_path / "program.parquet").read_bytes()

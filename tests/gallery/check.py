@@ -327,7 +327,7 @@ class Gallery:
             f"worlds = {json.dumps(worlds)}\nplants = [\"kinematic\", \"rapier\"]\n"
             f"robots = {json.dumps([str(file)])}\nseeds = {self.seeds}\n"
         )
-        done = self.cocarry("sweep", study, "--out", out)
+        done = self.cocarry("sweep", study, "--output", out)
         self.check(done.returncode == 0, f"{name}: {done.stderr}")
         return list(csv.DictReader(out.open())) if out.exists() else []
 

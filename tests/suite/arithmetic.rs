@@ -83,7 +83,7 @@ seeds = 2
     let path = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
     std::fs::write(path("study.toml"), study).expect("a study");
     let read = |name: &str| std::fs::read_to_string(path(name)).expect("results");
-    let arguments = |out: &str| ["sweep".to_owned(), path("study.toml"), "--out".to_owned(), path(out)];
+    let arguments = |out: &str| ["sweep".to_owned(), path("study.toml"), "--output".to_owned(), path(out)];
     for (run, out) in [(cocarry as fn(&[&str]) -> _, "here.csv"), (cocarry_without_fma, "there.csv")] {
         let arguments = arguments(out);
         let output = run(&arguments.each_ref().map(String::as_str));
@@ -170,7 +170,7 @@ fn rows_of_another_arithmetic_are_refused() {
     let study = study.to_str().expect("UTF-8");
     let sweep = |arguments: &[&str]| cocarry(&[&["sweep"], arguments].concat());
     for (shard, out) in [("1/2", "a.csv"), ("2/2", "b.csv")] {
-        let output = sweep(&[study, "--seeds", "2", "--shard", shard, "--out", &path(out)]);
+        let output = sweep(&[study, "--seeds", "2", "--shard", shard, "--output", &path(out)]);
         assert!(output.status.success(), "{}", stderr(&output));
     }
     let refused = |arguments: &[&str], names: &[&str]| {
@@ -195,7 +195,7 @@ fn rows_of_another_arithmetic_are_refused() {
     refused(&["--summary", &path("mixed.csv")], &["mixed.csv: line 38"]);
     // a sweep that was begun elsewhere
     std::fs::write(path("c.csv.partial"), restamped_rows(&a)).expect("results");
-    let arguments = [study, "--seeds", "2", "--shard", "1/2", "--out", &path("c.csv")];
+    let arguments = [study, "--seeds", "2", "--shard", "1/2", "--output", &path("c.csv")];
     refused(&arguments, &["c.csv.partial: line 2", "--overwrite"]);
     let anew = sweep(&[&arguments[..], &["--overwrite"]].concat());
     assert!(anew.status.success() && read("c.csv") == a, "{}", stderr(&anew));

@@ -186,7 +186,7 @@ fn outcomes(folder: &Path, robots: &[PathBuf], worlds: &[&str], plants: &[&str])
     let text = format!("worlds = {worlds:?}\nplants = {plants:?}\nrobots = {robots:?}\nseeds = 2\n");
     std::fs::write(&study, text).expect("a file");
     let [study, out] = [study, out].map(|file| file.display().to_string());
-    cocarry(&["sweep", &study, "--out", &out, "--overwrite"]);
+    cocarry(&["sweep", &study, "--output", &out, "--overwrite"]);
     let mut rows = csv::Reader::from_path(&out).expect("rows");
     let of = |row: std::collections::BTreeMap<String, String>| {
         let clearance = row["least_base_clearance_m"].parse().expect("a number");

@@ -374,7 +374,9 @@ fn texts_that_are_damaged_are_read_or_refused() {
             "baseline" => Baseline::load(&path(kind)).map(drop).map_err(drop),
             "answers" => AnswerFile::read(&path(kind)).map(drop).map_err(drop),
             "switches" => SwitchFile::read(&path(kind)).map(drop).map_err(drop),
-            "rows" => Summary::load(&[Results::File(&path(kind))], &Comparing::default()).map(drop).map_err(drop),
+            "rows" => {
+                Summary::load(&[Results::File(&path(kind))], &Comparing::default()).map(drop).map_err(drop)
+            }
             "log" => serde_json::from_slice::<EpisodeLog>(bytes).map_err(drop).and_then(|log| {
                 let prepared = log.checked("log").and_then(|scenario| scenario.prepare()).map_err(drop)?;
                 let mut episode = prepared.episode_of(log.decisions.partners(&prepared)).map_err(drop)?;

@@ -28,8 +28,8 @@ impl Bench {
             std::fs::copy(repository(from), bench.path(to)).unwrap();
         }
         bench.good("run world.toml --plant point --record in.mcap --save-at 3 in.snapshot");
-        bench.good("sweep study.toml --shard 1/2 --out 1.csv");
-        bench.good("sweep study.toml --shard 2/2 --out 2.csv");
+        bench.good("sweep study.toml --shard 1/2 --output 1.csv");
+        bench.good("sweep study.toml --shard 2/2 --output 2.csv");
         bench
     }
 
@@ -79,7 +79,7 @@ const OUTPUTS: [(&str, &str, &[&str]); 16] = [
     ("run world.toml --plant point --render ", "out.html", &[]),
     ("render in.mcap -o ", "out.html", &[]),
     ("recover in.mcap --output ", "out.mcap", &["in.mcap"]),
-    ("sweep study.toml --out ", "out.csv", &["study.toml", "world.toml"]),
+    ("sweep study.toml --output ", "out.csv", &["study.toml", "world.toml"]),
     ("fit eta switches.csv --svg ", "out.svg", &["switches.csv"]),
     ("fit eta named.csv --svg ", "out.svg", &["named.csv", "environment.toml"]),
     ("world environment.toml --belief-samples samples.csv --svg ", "out.svg", &["samples.csv"]),
@@ -150,7 +150,7 @@ fn who_writes_a_name_has_it_alone() {
     let sweep = std::fs::File::create(bench.path("out.csv.partial")).unwrap();
     sweep.lock().unwrap();
     for command in
-        ["sweep study.toml --out out.csv", "sweep --merge out.csv 1.csv 2.csv", "run --ticks out.csv"]
+        ["sweep study.toml --output out.csv", "sweep --merge out.csv 1.csv 2.csv", "run --ticks out.csv"]
     {
         for overwrite in ["", " --overwrite"] {
             bench.refused(&format!("{command}{overwrite}"), "another process is writing it");

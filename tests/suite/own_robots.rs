@@ -78,7 +78,7 @@ fn a_robot_is_exported_whole_or_not_at_all() {
     succeeds(folder.path(), &["export", "porter", "--overwrite"]);
     assert_ne!(std::fs::read(meshes.join("wrist.stl")).expect("a file"), b"mine");
     // the folder must exist, and is not made by halves
-    let output = run_in(folder.path(), &["export", "porter", "--folder", "missing"]);
+    let output = run_in(folder.path(), &["export", "porter", "--output", "missing"]);
     assert_ne!(output.status.code(), Some(0));
     assert!(!folder.path().join("missing").exists());
 }

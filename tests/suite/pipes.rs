@@ -49,6 +49,21 @@ fn a_closed_pipe_is_no_failure() {
     assert_eq!(child.wait().expect("it ends").code(), Some(2));
 }
 
+/// Warnings and notes are printed once, or, with `--quiet`, not at all; errors are.
+#[test]
+fn quiet_leaves_warnings_out() {
+    let warned = program(&["run", "--plant", "point", "--alpha", "7.47"]).output().expect("it starts");
+    assert_eq!(stderr(&warned).matches("warning: ").count(), 1, "{}", stderr(&warned));
+    for quiet in [
+        &["-q", "run", "--plant", "point", "--alpha", "7.47"][..],
+        &["run", "--plant", "point", "--alpha", "7.47", "--quiet"],
+    ] {
+        let output = program(quiet).output().expect("it starts");
+        assert_eq!((stderr(&output).as_str(), &output.stdout), ("", &warned.stdout));
+    }
+    assert!(stderr(&program(&["run", "nowhere", "-q"]).output().expect("it starts")).starts_with("error: "));
+}
+
 /// `-` is a world on standard input, within the limit of world files.
 #[test]
 fn a_world_is_read_from_standard_input() {

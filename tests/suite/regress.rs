@@ -60,6 +60,45 @@ fn recording_again_changes_no_byte() {
     assert_eq!(std::fs::read_to_string(&file).unwrap(), once);
 }
 
+/// A check tells servers of continuous integration what moved, in their own forms.
+#[test]
+fn a_check_reports_to_servers() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = at(folder.path(), &SMALL.replace("name = \"a\"", "name = \"a <b>, 50 %\""));
+    assert!(cocarry(&["regress", "record", &file]).status.success());
+    let xml = folder.path().join("costs.xml");
+    let arguments = ["regress", "check", &file, "--junit", xml.to_str().unwrap(), "--github"];
+    let output = cocarry(&arguments);
+    assert!(output.status.success() && stderr(&output).is_empty(), "{}", stderr(&output));
+    let report = std::fs::read_to_string(&xml).unwrap();
+    assert!(
+        report.contains("tests=\"2\" failures=\"0\"") && report.contains("name=\"a &lt;b&gt;, 50 %\""),
+        "{report}"
+    );
+    let text = std::fs::read_to_string(&file).unwrap();
+    std::fs::write(&file, text.replacen("outcome = \"arrived\"", "outcome = \"stuck\"", 1)).unwrap();
+    assert_eq!(cocarry(&arguments).status.code(), Some(2), "the report exists already");
+    let output = cocarry(&[&arguments[..], &["--overwrite", "--json"]].concat());
+    let said = stderr(&output);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(serde_json::from_slice::<serde_json::Value>(&output.stdout).is_ok());
+    let annotation = said.lines().next().expect("an annotation");
+    assert!(
+        annotation.starts_with("::error file=") && annotation.contains(",line=3,title=a <b>%2C 50 %25::"),
+        "{said}"
+    );
+    assert!(
+        annotation.ends_with("outcome: recorded stuck, now arrived") && said.lines().count() == 1,
+        "{said}"
+    );
+    let report = std::fs::read_to_string(&xml).unwrap();
+    assert!(
+        report.contains("failures=\"1\"")
+            && report.contains("<failure message=\"1 figure moved\">outcome: recorded stuck"),
+        "{report}"
+    );
+}
+
 #[test]
 fn recording_keeps_entries_order_and_comments() {
     let folder = tempfile::tempdir().unwrap();

@@ -89,7 +89,7 @@ fn as_little(folder: &str) -> [&str; 22] {
         // as h3-omni, but for the plant; it takes longer than all others
         "--parts",
         "h1,risk-weight,h2,h2-bodies,arrivals,contacts,cycles,cycles-kinematic,cycles-bodies,h3,h3-omni,h3-choices,h4",
-        "--report",
+        "--output",
         folder,
     ]
 }
@@ -183,7 +183,7 @@ fn the_report_has_every_table_and_figure_as_files_and_on_the_page() {
 fn some_parts_give_the_same_tables_as_all() {
     let folder = tempfile::tempdir().unwrap();
     let some = folder.path().join("some");
-    let arguments = ["reproduce", "all", "--parts", "cycles,h1", "--worlds", "20", "--report"];
+    let arguments = ["reproduce", "all", "--parts", "cycles,h1", "--worlds", "20", "--output"];
     let output = cocarry(&[&arguments[..], &[some.to_str().unwrap()]].concat());
     assert!(output.status.success(), "{}", stderr(&output));
     let index = std::fs::read_to_string(some.join("tables.csv")).unwrap();
@@ -192,7 +192,7 @@ fn some_parts_give_the_same_tables_as_all() {
     for line in index.lines().skip(1) {
         assert!(text("tables.csv").contains(line), "{line}");
     }
-    let output = cocarry(&["reproduce", "all", "--parts", "h9", "--report", some.to_str().unwrap()]);
+    let output = cocarry(&["reproduce", "all", "--parts", "h9", "--output", some.to_str().unwrap()]);
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("h9"), "{}", stderr(&output));
 }
@@ -482,7 +482,7 @@ fn a_folder_that_cannot_be_written_is_told_before_the_work() {
         "all",
         "--episodes",
         "1000000",
-        "--report",
+        "--output",
         file.join("report").to_str().unwrap(),
     ]);
     assert_eq!(output.status.code(), Some(4));

@@ -183,7 +183,7 @@ fn every_setting_is_the_same_on_the_command_line_in_scenarios_and_in_studies() {
         let text = scenario.text().unwrap_or_else(|e| panic!("{e}"));
         let scenario = Scenario::parse(&text).unwrap_or_else(|e| panic!("{e}"));
         std::fs::write(file("study.toml"), &study).expect("a study");
-        let swept = cocarry(&["sweep", &file("study.toml"), "--out", &file("out.csv")]);
+        let swept = cocarry(&["sweep", &file("study.toml"), "--output", &file("out.csv")]);
         assert!(swept.status.success(), "{}", stderr(&swept));
         let mut rows = csv::Reader::from_path(file("out.csv")).expect("rows");
         let headers = rows.headers().expect("headings").clone();

@@ -143,7 +143,7 @@ fn completions_and_manual_pages_name_the_commands_and_options() {
     let folder = tempfile::tempdir().unwrap();
     let first = succeeds(folder.path(), &["man"]);
     assert!(first.starts_with(".ie") || first.contains(".TH cocarry 1"), "{}", &first[..200]);
-    succeeds(folder.path(), &["man", "--folder", "."]);
+    succeeds(folder.path(), &["man", "--output", "."]);
     for page in ["cocarry.1", "cocarry-run.1", "cocarry-fit-eta.1", "cocarry-reproduce-all.1"] {
         let text =
             std::fs::read_to_string(folder.path().join(page)).unwrap_or_else(|e| panic!("{page}: {e}"));

@@ -29,7 +29,7 @@ fn every_output_fits_80_columns() {
         &["run", "--plant", "kinematic"][..],
         &["world", "free-form"],
         &["worlds"],
-        &["sweep", &study, "--out", &rows],
+        &["sweep", &study, "--output", &rows],
         &["reproduce", "h1"],
         &["reproduce", "h2"],
         &["inspect", "recordings/environment-1.mcap"],

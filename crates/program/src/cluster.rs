@@ -42,7 +42,7 @@ pub(super) struct SlurmArguments {
     /// Study file (TOML)
     study: PathBuf,
     /// File for the gathered results; FILE.job is the job's folder
-    #[arg(short, long, alias = "out", value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Number of shards, and so of tasks; at most one per episode
     #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]

@@ -1,7 +1,8 @@
 //! `cocarry compare`: paired comparisons of results.
 
 use super::output::{
-    Failure, OverwriteArguments, csv_file, examples, input, note, print, print_json, table_with_notes, write_file,
+    Failure, OverwriteArguments, csv_file, examples, input, note, print, print_json, table_with_notes,
+    write_file,
 };
 use super::sweep::failure;
 use clap::Args;

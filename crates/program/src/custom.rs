@@ -25,7 +25,11 @@ pub trait CustomPolicies: Send + Sync {
     ///
     /// # Errors
     /// The policy cannot be loaded, or the episode cannot begin.
-    fn begin<'s>(&self, name: &str, prepared: &'s PreparedScenario) -> Result<(Episode<'s>, Decisions), Error>;
+    fn begin<'s>(
+        &self,
+        name: &str,
+        prepared: &'s PreparedScenario,
+    ) -> Result<(Episode<'s>, Decisions), Error>;
 
     /// Why a policy has failed since the last call.
     fn failure(&self) -> Option<Error>;

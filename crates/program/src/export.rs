@@ -26,7 +26,7 @@ pub(super) struct ExportArguments {
     #[arg(value_name = "-", value_parser = ["-"], hide_possible_values = true, conflicts_with = "output")]
     stdout: Option<String>,
     /// Folder to write into, which must exist [default: the current directory]
-    #[arg(short, long, alias = "folder", value_name = "FOLDER")]
+    #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
     #[command(flatten)]
     overwrite: OverwriteArguments,

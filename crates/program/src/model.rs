@@ -9,8 +9,8 @@ use cocarry::episode::PreferenceChange;
 use cocarry::preference::{self, Belief, Marginal, Perception, Predictor, WeightedSample};
 use cocarry::scenario::{BELIEF_LAPSE, BELIEF_RATIONALITY, PERCEPTION, RISK_WEIGHT};
 use cocarry::world::World;
-use cocarry_studies::fit::read_csv_text;
 use cocarry::{bounds, located};
+use cocarry_studies::fit::read_csv_text;
 use std::path::{Path, PathBuf};
 
 /// The robot's model of humans: risk weight and belief.

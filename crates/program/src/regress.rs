@@ -158,7 +158,9 @@ impl ReportArguments {
                 let sentence = percent_encoded(&moved.join("\n"), "");
                 format!("::error file={file},line={},title={name}::{sentence}\n", run.line)
             };
-            write_error(&runs.iter().filter(|(_, moved)| !moved.is_empty()).map(annotation).collect::<String>());
+            write_error(
+                &runs.iter().filter(|(_, moved)| !moved.is_empty()).map(annotation).collect::<String>(),
+            );
         }
         Ok(())
     }

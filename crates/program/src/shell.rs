@@ -26,7 +26,7 @@ pub(super) struct CompletionsArguments {
 ]))]
 pub(super) struct ManArguments {
     /// Write a page for every command into this folder, which must exist, instead of printing the first
-    #[arg(short, long, alias = "folder", value_name = "FOLDER")]
+    #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
     #[command(flatten)]
     overwrite: OverwriteArguments,

@@ -4,8 +4,8 @@ use super::custom::NamedPolicies;
 use super::file_kind::{self, FileKind};
 use super::interrupt::Interrupt;
 use super::output::{
-    Failure, Progress, counted, examples, input, note, print, print_json, table, table_text, table_with_notes,
-    unwritten, warn,
+    Failure, Progress, counted, examples, input, note, print, print_json, table, table_text,
+    table_with_notes, unwritten, warn,
 };
 use super::reproduce::Common;
 use super::settings::methods;
@@ -40,7 +40,7 @@ pub(super) struct SweepArguments {
     /// .I-of-N.csv for a shard, in the current directory]
     ///
     /// Parquet needs a program built with the feature `parquet`; the Python package includes it.
-    #[arg(short, long, alias = "out", value_name = "FILE", conflicts_with_all = ["merge", "summary"])]
+    #[arg(short, long, value_name = "FILE", conflicts_with_all = ["merge", "summary"])]
     output: Option<PathBuf>,
     /// Write every tick of every episode into this new folder, as Parquet files of 100 episodes each
     ///

@@ -18,7 +18,8 @@ fn answers_of_any_spreadsheet_give_the_same_fit() {
     let expected = fit(&file("answers.csv", text.as_bytes()));
     let semicolons = text.replace(',', ";").replace('.', ",");
     let tabs = text.replace(',', "\t");
-    let units = |text: &str, bytes: fn(u16) -> [u8; 2]| text.encode_utf16().flat_map(bytes).collect::<Vec<u8>>();
+    let units =
+        |text: &str, bytes: fn(u16) -> [u8; 2]| text.encode_utf16().flat_map(bytes).collect::<Vec<u8>>();
     let marked = [b"\xef\xbb\xbf", text.as_bytes()].concat();
     let little = [b"\xff\xfe".to_vec(), units(&tabs, u16::to_le_bytes)].concat();
     let big = [b"\xfe\xff".to_vec(), units(&semicolons, u16::to_be_bytes)].concat();
@@ -35,7 +36,9 @@ fn answers_of_any_spreadsheet_give_the_same_fit() {
     refused(&["fit", "risk-weight", latin.path()], &["latin.csv", &said]);
     refused(&["infer", latin.path()], &["latin.csv", &said]);
     // in a file with commas between the cells, one within a number stays refused
-    let quoted = text.lines().map(|line| line.rsplit_once(',').map_or(line.to_owned(), |(a, b)| format!("{a},\"{}\"", b.replace('.', ","))));
+    let quoted = text.lines().map(|line| {
+        line.rsplit_once(',').map_or(line.to_owned(), |(a, b)| format!("{a},\"{}\"", b.replace('.', ",")))
+    });
     let quoted = File::new("quoted.csv", &quoted.collect::<Vec<_>>().join("\n"));
     refused(&["fit", "risk-weight", quoted.path()], &["percent", "with a decimal point"]);
 }
@@ -44,7 +47,8 @@ fn answers_of_any_spreadsheet_give_the_same_fit() {
 /// same fit.
 #[test]
 fn switches_survive_data_frames() {
-    let shipped = std::fs::read_to_string(repository("docs/data/simulated-switches.csv")).expect("the example");
+    let shipped =
+        std::fs::read_to_string(repository("docs/data/simulated-switches.csv")).expect("the example");
     let rows: Vec<&str> = shipped.lines().filter(|line| !line.starts_with('#')).collect();
     let at = rows[0].split(',').position(|name| name == "step").expect("a column");
     let with = |now: fn(&str) -> String| {
@@ -73,7 +77,8 @@ fn switches_survive_data_frames() {
 fn names_such_as_na_are_names() {
     let text = "participant,world,method,step\nNA,environment-4,mutual,36\nnull,environment-4,mutual,30\nNone,environment-4,mutual,\n";
     let found = json(&["fit", "eta", File::new("names.csv", text).path(), "--json"]);
-    let names: Vec<_> = found["participants"].as_array().expect("people").iter().map(|p| p["participant"].clone()).collect();
+    let names: Vec<_> =
+        found["participants"].as_array().expect("people").iter().map(|p| p["participant"].clone()).collect();
     assert_eq!(names, ["NA", "null", "None"]);
     let lost = File::new("lost.csv", &text.replace("NA,", ","));
     refused(&["fit", "eta", lost.path()], &["lost.csv:2", "participant", "keep_default_na=False"]);
@@ -119,8 +124,13 @@ fn what_answers_do_not_tell_has_no_interval() {
             let likelihood = &fit["likelihood"];
             if likelihood["lapse"].as_f64().expect("a rate") > 0.9995 {
                 total += 1;
-                assert!(likelihood["undetermined_m"].is_array() && fit["recommended"].is_null(), "{shares:?}: {fit}");
-                let said = String::from_utf8(cocarry(&["fit", "risk-weight", file.path(), "--resamples", "40"]).stdout);
+                assert!(
+                    likelihood["undetermined_m"].is_array() && fit["recommended"].is_null(),
+                    "{shares:?}: {fit}"
+                );
+                let said = String::from_utf8(
+                    cocarry(&["fit", "risk-weight", file.path(), "--resamples", "40"]).stdout,
+                );
                 assert!(said.expect("text").contains("with a lapse rate of 100 %"), "{shares:?}");
             }
         }

@@ -96,6 +96,8 @@ fn the_program_replays() {
     let output = cocarry(&["replay", &file]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(stdout(&output).contains("identical"));
+    let told = json(&["replay", &file, "--json"]);
+    assert!(told["verdict"] == "identical" && told["same_messages"].as_u64().unwrap() > 100, "{told}");
     let changed = rewritten(&std::fs::read(&file).unwrap(), "_threshold\":1.0", "_threshold\":2.0");
     std::fs::write(&other, changed).unwrap();
     let output = cocarry(&["replay", &other]);
@@ -104,6 +106,13 @@ fn the_program_replays() {
     for part in ["in tick 0, at 0.0 s", "/coordination", "threshold", "recorded: 2.0", "run again: 1.0"] {
         assert!(said.contains(part), "{said}");
     }
+    let output = cocarry(&["replay", &other, "--json"]);
+    let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((output.status.code(), &told["verdict"]), (Some(1), &"different".into()));
+    assert_eq!(
+        (&told["difference"]["topic"], &told["difference"]["step"]),
+        (&"/coordination".into(), &0.into())
+    );
     let output = cocarry(&["replay", "Cargo.toml"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("Cargo.toml: is not an MCAP file"));

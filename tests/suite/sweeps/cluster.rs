@@ -32,17 +32,18 @@ fn refused(bench: &Bench, arguments: &[&str], code: i32, said: &[&str]) {
 }
 
 fn made(bench: &Bench, shards: &str) {
-    good(bench, &["slurm", "study.toml", "--out", "a.csv", "--shards", shards, "--no-submit"]);
+    good(bench, &["slurm", "study.toml", "--output", "a.csv", "--shards", shards, "--no-submit"]);
 }
 
 #[test]
 fn shards_that_any_scheduler_runs_give_the_file_of_one_sweep() {
     let bench = Bench::new(STUDY);
-    bench.good(&["study.toml", "--out", "one.csv"]);
+    bench.good(&["study.toml", "--output", "one.csv"]);
     let options = ["--sbatch", "--time=1:00 --partition=short", "--sbatch=--mem=1G"];
     let said = good(
         &bench,
-        &[&["slurm", "study.toml", "--out", "a.csv", "--shards", "3", "--no-submit"][..], &options].concat(),
+        &[&["slurm", "study.toml", "--output", "a.csv", "--shards", "3", "--no-submit"][..], &options]
+            .concat(),
     );
     for part in
         ["96 episodes of 16 combinations, 3 shards", "--array=1-3", "--time=1:00 --partition=short --mem=1G"]
@@ -107,11 +108,11 @@ fn an_audit_names_the_node_and_the_value_that_differs() {
 #[test]
 fn what_is_wrong_is_said_and_nothing_is_overwritten() {
     let bench = Bench::new(STUDY);
-    let slurm = |more: &[&'static str]| [&["slurm", "study.toml", "--out", "a.csv"], more].concat();
+    let slurm = |more: &[&'static str]| [&["slurm", "study.toml", "--output", "a.csv"], more].concat();
     refused(&bench, &["status", "a.csv"], 2, &["a.csv.job: there is no such job"]);
     refused(&bench, &slurm(&["--sbatch", "--wrap=x"]), 2, &["`--wrap` is set by cocarry"]);
     refused(&bench, &slurm(&["--shards", "0"]), 2, &["--shards"]);
-    refused(&bench, &["slurm", "study.toml", "--out", "study.toml"], 2, &["study.toml"]);
+    refused(&bench, &["slurm", "study.toml", "--output", "study.toml"], 2, &["study.toml"]);
     // without a scheduler nothing is left behind
     refused(&bench, &slurm(&[]), 2, &["scontrol: cannot be started", "--no-submit"]);
     assert!(!bench.path("a.csv.job").exists());

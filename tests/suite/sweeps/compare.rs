@@ -55,7 +55,9 @@ fn methods_of_two_sweeps_are_compared_as_those_of_one() {
     let output = compare(&bench, &["shuffled.csv"]);
     assert!(stderr(&output).contains("7 rows repeat others"), "{}", stderr(&output));
     for found in compared(&bench, &["shuffled.csv"]).as_array().expect("rows") {
-        let is_same = |other: &&Value| ["world", "eta", "humans", "quantity"].iter().all(|key| other[*key] == found[*key]);
+        let is_same = |other: &&Value| {
+            ["world", "eta", "humans", "quantity"].iter().all(|key| other[*key] == found[*key])
+        };
         let expected = of_one.as_array().expect("rows").iter().find(is_same).expect("the same comparison");
         let number = |value: &Value, key: &str| value[key].as_f64();
         assert_eq!(number(found, "p_holm"), number(expected, "p_holm"));
@@ -87,7 +89,12 @@ fn rows_that_another_program_wrote_are_read_and_changed_ones_refused() {
         rows.iter().map(change).collect()
     };
     let expected = compared(&bench, &["a.csv"]);
-    write(&bench, "frame.csv", &header, &changed("eta", &|eta| format!("{:.1}", eta.parse::<f64>().unwrap())));
+    write(
+        &bench,
+        "frame.csv",
+        &header,
+        &changed("eta", &|eta| format!("{:.1}", eta.parse::<f64>().unwrap())),
+    );
     let output = compare(&bench, &["frame.csv"]);
     assert_eq!(compared(&bench, &["frame.csv"]), expected);
     assert!(!stderr(&output).contains("could not be checked"), "{}", stderr(&output));
@@ -95,7 +102,11 @@ fn rows_that_another_program_wrote_are_read_and_changed_ones_refused() {
     let rounded = |cost: &str| format!("{:.3}0", cost.parse::<f64>().unwrap());
     write(&bench, "rounded.csv", &header, &changed("accumulated_objective_cost_m", &rounded));
     let output = compare(&bench, &["rounded.csv"]);
-    assert!(output.status.success() && stderr(&output).contains("could not be checked"), "{}", stderr(&output));
+    assert!(
+        output.status.success() && stderr(&output).contains("could not be checked"),
+        "{}",
+        stderr(&output)
+    );
     // without checksums: told
     write(&bench, "bare.csv", &header, &changed("checksum", &|_| String::new()));
     assert!(stderr(&compare(&bench, &["bare.csv"])).contains("96 of 96 rows"));
@@ -156,7 +167,8 @@ fn a_method_that_does_not_arrive_is_told() {
     let bench = Bench::new(study);
     bench.good(&["study.toml", "-o", "a.csv"]);
     let rows = bench.rows("a.csv");
-    let arrived = |steps: &str| rows.iter().filter(|r| r["max_steps"] == steps && r["outcome"] == "arrived").count();
+    let arrived =
+        |steps: &str| rows.iter().filter(|r| r["max_steps"] == steps && r["outcome"] == "arrived").count();
     assert!(arrived("150") < 12 && arrived("600") == 12, "{} {}", arrived("150"), arrived("600"));
     let output = compare(&bench, &["a.csv", "--by", "max_steps"]);
     if arrived("150") > 0 {
@@ -166,6 +178,18 @@ fn a_method_that_does_not_arrive_is_told() {
     }
 }
 
+/// Results are CSV or Parquet: a name of another format is refused before an episode runs.
+#[test]
+fn results_of_another_format_are_refused() {
+    let bench = Bench::new(STUDY);
+    for name in ["x.xlsx", "x.json", "x.CVS"] {
+        bench.refused(&["study.toml", "-o", name], 2, &[name, "expected the extension .csv or .parquet"]);
+        assert!(std::fs::read_dir(bench.folder.path()).expect("a folder").count() == 1);
+    }
+    bench.refused(&["--merge", "x.ods", "a.csv", "b.csv"], 2, &["x.ods", ".parquet"]);
+    bench.good(&["study.toml", "-o", "x.CSV"]);
+}
+
 /// World files whose names differ by what a line cannot hold are two worlds.
 #[cfg(unix)]
 #[test]
@@ -173,11 +197,13 @@ fn worlds_whose_names_have_line_breaks_stay_apart() {
     let study = "worlds = [\"a b.toml\", \"a\\nb.toml\", \"a\\\\nb.toml\"]\nplants = \"point\"\nmethods = [\"mutual\", \"without-model\"]\nseeds = 10\n";
     let bench = Bench::new(study);
     for (i, name) in ["a b.toml", "a\nb.toml", "a\\nb.toml"].into_iter().enumerate() {
-        let world = std::fs::read(repository(&format!("worlds/environment-{}.toml", i + 1))).expect("a world");
+        let world =
+            std::fs::read(repository(&format!("worlds/environment-{}.toml", i + 1))).expect("a world");
         std::fs::write(bench.path(name), world).expect("a file");
     }
     bench.good(&["study.toml", "-o", "a.csv"]);
-    let worlds: std::collections::BTreeSet<_> = bench.rows("a.csv").iter().map(|row| row["world"].clone()).collect();
+    let worlds: std::collections::BTreeSet<_> =
+        bench.rows("a.csv").iter().map(|row| row["world"].clone()).collect();
     assert_eq!(worlds.len(), 3, "{worlds:?}");
     let found = compared(&bench, &["a.csv"]);
     assert_eq!(found.as_array().map(Vec::len), Some(3));

@@ -35,7 +35,7 @@ pub fn kill_at(mut child: Child, partial: &Path, bytes: u64) -> bool {
 #[cfg(unix)]
 fn a_sweep_that_is_interrupted_says_so_and_goes_on_to_the_same_file() {
     let bench = Bench::new(&STUDY.replace("seeds = 6", "seeds = 400"));
-    bench.good(&["study.toml", "--out", "undisturbed.csv"]);
+    bench.good(&["study.toml", "--output", "undisturbed.csv"]);
     let partial = bench.path("study.csv.partial");
     for signal in ["INT", "TERM"] {
         let mut command = bench.command(&["study.toml"]);
@@ -57,7 +57,7 @@ fn a_sweep_that_is_interrupted_says_so_and_goes_on_to_the_same_file() {
 #[test]
 fn rows_that_ran_elsewhere_are_appended_in_order_only() {
     let bench = Bench::new(STUDY);
-    bench.good(&["study.toml", "--out", "undisturbed.csv"]);
+    bench.good(&["study.toml", "--output", "undisturbed.csv"]);
     let study = Study::load(&bench.path("study.toml"), None).expect("a study");
     let out = bench.path("appended.csv");
     let open = || {
@@ -86,7 +86,7 @@ fn rows_that_ran_elsewhere_are_appended_in_order_only() {
 fn a_sweep_that_is_killed_goes_on_to_the_same_file() {
     let study = STUDY.replace("seeds = 6", "seeds = 150");
     let bench = Bench::new(&study);
-    bench.good(&["study.toml", "--out", "undisturbed.csv"]);
+    bench.good(&["study.toml", "--output", "undisturbed.csv"]);
     let expected = bench.read("undisturbed.csv");
     let partial = bench.path("study.csv.partial");
     let mut killed = 0;

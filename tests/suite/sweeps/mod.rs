@@ -202,8 +202,8 @@ fn a_row_is_what_run_says_of_the_same_episode() {
 #[test]
 fn the_number_of_threads_and_of_shards_makes_no_difference() {
     let bench = Bench::new(STUDY);
-    bench.good(&["study.toml", "--threads", "1", "--out", "one.csv"]);
-    bench.good(&["study.toml", "--threads", "3", "--out", "three.csv"]);
+    bench.good(&["study.toml", "--threads", "1", "--output", "one.csv"]);
+    bench.good(&["study.toml", "--threads", "3", "--output", "three.csv"]);
     assert!(bench.read("one.csv") == bench.read("three.csv"));
     for number in 1..=5 {
         bench.good(&["study.toml", "--shard", &format!("{number}/5")]);
@@ -215,7 +215,7 @@ fn the_number_of_threads_and_of_shards_makes_no_difference() {
     bench.refused(&["--merge", "merged.csv", &a, &b], 2, &["merged.csv: exists already", "--overwrite"]);
     bench.refused(&["--merge", "new.csv", &a, &b, &c, &e], 2, &["episodes 19 to 37 of 96", "shard 2/5"]);
     bench.refused(&["--merge", "new.csv", &a, &b, &b], 2, &["study.1-of-5.csv: duplicate episode 0"]);
-    bench.good(&["study.toml", "--seeds", "5", "--shard", "2/5", "--out", "foreign.csv"]);
+    bench.good(&["study.toml", "--seeds", "5", "--shard", "2/5", "--output", "foreign.csv"]);
     bench.refused(
         &["--merge", "new.csv", &a, &b, &c, "foreign.csv", &e],
         2,
@@ -248,7 +248,7 @@ fn a_finished_sweep_is_a_success() {
 #[test]
 fn more_shards_than_episodes_are_merged_too() {
     let bench = Bench::new("worlds = \"environment-1\"\nplants = \"point\"\nseeds = 2\n");
-    bench.good(&["study.toml", "--out", "all.csv"]);
+    bench.good(&["study.toml", "--output", "all.csv"]);
     let mut merge = vec!["--merge".to_owned(), "merged.csv".to_owned()];
     for number in 1..=4 {
         bench.good(&["study.toml", "--shard", &format!("{number}/4")]);
@@ -261,7 +261,7 @@ fn more_shards_than_episodes_are_merged_too() {
 #[test]
 fn rows_that_are_there_are_kept_and_a_row_that_was_cut_is_run_again() {
     let bench = Bench::new(STUDY);
-    bench.good(&["study.toml", "--out", "undisturbed.csv"]);
+    bench.good(&["study.toml", "--output", "undisturbed.csv"]);
     let whole = bench.read("undisturbed.csv");
     let lines = whole.split_inclusive(|byte| *byte == b'\n');
     let ten: usize = lines.take(11).map(<[u8]>::len).sum();
@@ -279,7 +279,7 @@ fn rows_that_are_there_are_kept_and_a_row_that_was_cut_is_run_again() {
 fn a_program_without_parquet_says_so_before_the_work() {
     let bench = Bench::new(STUDY);
     let said = |name| [name, "without the feature `parquet`", "--features parquet"];
-    bench.refused(&["study.toml", "--out", "a.parquet"], 2, &said("a.parquet: "));
+    bench.refused(&["study.toml", "--output", "a.parquet"], 2, &said("a.parquet: "));
     bench.refused(&["study.toml", "--ticks", "ticks"], 2, &said("ticks: "));
     bench.refused(&["--merge", "a.parquet", "b.csv", "c.csv"], 2, &said("a.parquet: "));
     std::fs::write(bench.path("b.parquet"), b"PAR1PAR1").expect("a file");
@@ -327,8 +327,8 @@ fn rows_out_of_order_are_refused() {
 #[test]
 fn changed_values_in_kept_rows_are_refused() {
     let bench = Bench::new(STUDY);
-    bench.good(&["study.toml", "--shard", "1/2", "--out", "1.csv"]);
-    bench.good(&["study.toml", "--shard", "2/2", "--out", "2.csv"]);
+    bench.good(&["study.toml", "--shard", "1/2", "--output", "1.csv"]);
+    bench.good(&["study.toml", "--shard", "2/2", "--output", "2.csv"]);
     let (rows, text) = (bench.rows("1.csv"), String::from_utf8(bench.read("1.csv")).expect("UTF-8"));
     let fields = |line: &str| -> Vec<String> {
         let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(line.as_bytes());
@@ -352,10 +352,10 @@ fn changed_values_in_kept_rows_are_refused() {
         let words = ["line 8 is a row with changed values", "as its sweep wrote it"];
         bench.refused(&["--merge", "all.csv", "changed.csv", "2.csv"], 2, &words);
         assert!(!bench.path("all.csv").exists() && !bench.path("all.csv.partial").exists());
-        bench.refused(&["study.toml", "--shard", "1/2", "--out", "half.csv"], 2, &words);
+        bench.refused(&["study.toml", "--shard", "1/2", "--output", "half.csv"], 2, &words);
         assert!(bench.read("half.csv.partial") == changed.as_bytes(), "what is there stays");
     }
-    bench.good(&["study.toml", "--shard", "1/2", "--out", "half.csv", "--overwrite"]);
+    bench.good(&["study.toml", "--shard", "1/2", "--output", "half.csv", "--overwrite"]);
     assert!(bench.read("half.csv") == text.as_bytes());
 }
 
@@ -399,7 +399,7 @@ fn files_are_relative_to_the_study() {
     }
     bench.good(&["study.toml"]);
     let (study, out) = (bench.path("study.toml"), bench.path("other.csv"));
-    let arguments = [study.to_str().expect("UTF-8"), "--out", out.to_str().expect("UTF-8")];
+    let arguments = [study.to_str().expect("UTF-8"), "--output", out.to_str().expect("UTF-8")];
     let output = cocarry(&[&["sweep"], &arguments[..]].concat());
     assert!(output.status.success(), "{}", stderr(&output));
     assert!(bench.read("study.csv") == bench.read("other.csv"));

@@ -57,8 +57,8 @@ fn parquet_results_have_the_values_of_csv_to_the_bit_their_units_and_their_study
     let study =
         "worlds = \"environment-4\"\nplants = [\"point\", \"rapier\"]\nmax_steps = 30\nsway_m = 0.02\n";
     let bench = Bench::new(&format!("# about\n{study}seeds = 2\n"));
-    bench.good(&["study.toml", "--out", "a.csv"]);
-    bench.good(&["study.toml", "--out", "a.parquet"]);
+    bench.good(&["study.toml", "--output", "a.csv"]);
+    bench.good(&["study.toml", "--output", "a.parquet"]);
     let (batches, pairs) = read(&bench.path("a.parquet"));
     let rows = bench.rows("a.csv");
     assert_eq!(batches.iter().map(RecordBatch::num_rows).sum::<usize>(), rows.len());
@@ -90,15 +90,15 @@ fn parquet_results_have_the_values_of_csv_to_the_bit_their_units_and_their_study
 #[test]
 fn parquet_results_are_the_same_bytes_for_any_threads_shards_and_stops() {
     let bench = Bench::new(STUDY);
-    bench.good(&["study.toml", "--threads", "1", "--out", "one.parquet"]);
-    bench.good(&["study.toml", "--threads", "3", "--out", "three.parquet"]);
-    bench.good(&["study.toml", "--out", "one.csv"]);
+    bench.good(&["study.toml", "--threads", "1", "--output", "one.parquet"]);
+    bench.good(&["study.toml", "--threads", "3", "--output", "three.parquet"]);
+    bench.good(&["study.toml", "--output", "one.csv"]);
     let whole = bench.read("one.parquet");
     assert!(whole == bench.read("three.parquet"));
     let ending = |number: u32| if number == 2 { "csv" } else { "parquet" };
     for number in 1..=3 {
         let (shard, out) = (format!("{number}/3"), format!("{number}.{}", ending(number)));
-        bench.good(&["study.toml", "--shard", &shard, "--out", &out]);
+        bench.good(&["study.toml", "--shard", &shard, "--output", &out]);
     }
     bench.good(&["--merge", "merged.parquet", "3.parquet", "2.csv", "1.parquet"]);
     assert!(whole == bench.read("merged.parquet"));
@@ -115,16 +115,16 @@ fn parquet_results_are_the_same_bytes_for_any_threads_shards_and_stops() {
     // rows of an unfinished sweep are CSV
     let csv = bench.read("one.csv");
     std::fs::write(bench.path("stopped.parquet.partial"), &csv[..csv.len() / 2]).expect("a partial file");
-    bench.good(&["study.toml", "--out", "stopped.parquet"]);
+    bench.good(&["study.toml", "--output", "stopped.parquet"]);
     assert!(whole == bench.read("stopped.parquet"));
     assert!(!bench.path("stopped.parquet.partial").exists());
-    bench.refused(&["study.toml", "--out", "one.parquet"], 2, &["one.parquet: exists already"]);
+    bench.refused(&["study.toml", "--output", "one.parquet"], 2, &["one.parquet: exists already"]);
 }
 
 #[test]
 fn parquet_results_that_are_damaged_or_changed_are_refused() {
     let bench = Bench::new(&STUDY.replace("seeds = 6", "seeds = 1"));
-    bench.good(&["study.toml", "--out", "a.parquet"]);
+    bench.good(&["study.toml", "--output", "a.parquet"]);
     let whole = bench.read("a.parquet");
     let mut refused = 0;
     for i in 0..60 {
@@ -158,8 +158,8 @@ fn parquet_ticks_are_those_of_run() {
     let bench = Bench::new(
         "worlds = \"environment-4\"\nplants = [\"point\", \"kinematic\"]\neta = 5\nmax_steps = 60\nseeds = { first = 3, last = 4 }\n",
     );
-    bench.good(&["study.toml", "--out", "a.csv", "--ticks", "ticks"]);
-    bench.good(&["study.toml", "--out", "b.csv"]);
+    bench.good(&["study.toml", "--output", "a.csv", "--ticks", "ticks"]);
+    bench.good(&["study.toml", "--output", "b.csv"]);
     assert!(bench.read("a.csv") == bench.read("b.csv"), "rows do not depend on ticks");
     let names: Vec<_> =
         std::fs::read_dir(bench.path("ticks")).expect("files").map(|e| e.expect("a file")).collect();
@@ -226,7 +226,7 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 #[test]
 fn parquet_ticks_are_the_same_bytes_after_stops_and_for_any_threads() {
     let bench = Bench::new(&STUDY.replace("seeds = 6", "seeds = 40"));
-    bench.good(&["study.toml", "--out", "one.parquet", "--ticks", "one", "--threads", "1"]);
+    bench.good(&["study.toml", "--output", "one.parquet", "--ticks", "one", "--threads", "1"]);
     let whole = files(&bench.path("one"));
     let names: Vec<&str> = whole.keys().map(String::as_str).collect();
     assert_eq!((names.len(), names[0]), (7, "episodes-0000000000-0000000099.parquet"));
@@ -234,10 +234,10 @@ fn parquet_ticks_are_the_same_bytes_after_stops_and_for_any_threads() {
     let (out, partial) = (bench.path("two.parquet"), bench.path("two.parquet.partial"));
     let rows = bench.read("one.parquet");
     let length = {
-        bench.good(&["study.toml", "--out", "rows.csv"]);
+        bench.good(&["study.toml", "--output", "rows.csv"]);
         bench.read("rows.csv").len() as u64
     };
-    let arguments = ["study.toml", "--out", "two.parquet", "--ticks", "two", "--threads", "2"];
+    let arguments = ["study.toml", "--output", "two.parquet", "--ticks", "two", "--threads", "2"];
     let mut killed = 0;
     for tenths in [1, 4, 7] {
         let mut command = bench.command(&arguments);
@@ -257,13 +257,13 @@ fn parquet_ticks_are_the_same_bytes_after_stops_and_for_any_threads() {
     }
     std::fs::write(bench.path("three.partial/.cocarry-0.tmp"), "half a file").expect("a file");
     std::fs::write(bench.path("three.csv.partial"), bench.read("rows.csv")).expect("rows");
-    let told = bench.good(&["study.toml", "--out", "three.csv", "--ticks", "three"]);
+    let told = bench.good(&["study.toml", "--output", "three.csv", "--ticks", "three"]);
     assert!(String::from_utf8_lossy(&told.stdout).contains("200 of them from the earlier run"));
     assert!(files(&bench.path("three")) == whole && bench.read("three.csv") == bench.read("rows.csv"));
     // the shards' files together have every episode once
     for number in 1..=2 {
         let (shard, name) = (format!("{number}/2"), format!("half-{number}"));
-        bench.good(&["study.toml", "--shard", &shard, "--out", &format!("{name}.csv"), "--ticks", &name]);
+        bench.good(&["study.toml", "--shard", &shard, "--output", &format!("{name}.csv"), "--ticks", &name]);
     }
     let parts: usize = ["half-1", "half-2"].map(|name| files(&bench.path(name)).len()).iter().sum();
     assert_eq!(parts, 8, "320 episodes each");
@@ -272,9 +272,9 @@ fn parquet_ticks_are_the_same_bytes_after_stops_and_for_any_threads() {
 #[test]
 fn parquet_ticks_replace_nothing_but_ticks() {
     let bench = Bench::new(&STUDY.replace("seeds = 6", "seeds = 1"));
-    let sweep = ["study.toml", "--out", "a.csv", "--ticks", "ticks"];
+    let sweep = ["study.toml", "--output", "a.csv", "--ticks", "ticks"];
     bench.good(&sweep);
-    let again = ["study.toml", "--out", "b.csv", "--ticks", "ticks"];
+    let again = ["study.toml", "--output", "b.csv", "--ticks", "ticks"];
     bench.refused(&again, 2, &["ticks: exists already", "--overwrite"]);
     bench.good(&[&again[..], &["--overwrite"]].concat());
     std::fs::write(bench.path("ticks/mine.txt"), "mine").expect("a file");
@@ -283,11 +283,11 @@ fn parquet_ticks_replace_nothing_but_ticks() {
     assert_eq!(bench.read("ticks/mine.txt"), b"mine");
     std::fs::write(bench.path("file"), "mine").expect("a file");
     bench.refused(
-        &["study.toml", "--out", "c.csv", "--ticks", "file", "--overwrite"],
+        &["study.toml", "--output", "c.csv", "--ticks", "file", "--overwrite"],
         2,
         &["file: is a file"],
     );
-    bench.refused(&["study.toml", "--out", "same", "--ticks", "same"], 2, &["same: duplicate output"]);
+    bench.refused(&["study.toml", "--output", "same", "--ticks", "same"], 2, &["same: duplicate output"]);
     // files of another study
     let copied = bench.path("d.partial");
     std::fs::create_dir(&copied).expect("a folder");
@@ -295,7 +295,7 @@ fn parquet_ticks_replace_nothing_but_ticks() {
     std::fs::copy(bench.path("ticks").join(name), copied.join(name)).expect("a copy");
     std::fs::write(bench.path("study.toml"), STUDY.replace("seeds = 6", "seeds = 1").replace("10.5", "11"))
         .expect("a study");
-    let other = ["study.toml", "--out", "d.csv", "--ticks", "d"];
+    let other = ["study.toml", "--output", "d.csv", "--ticks", "d"];
     bench.refused(&other, 2, &["d.partial: holds episodes-", "another study", "--overwrite"]);
     bench.good(&[&other[..], &["--overwrite"]].concat());
     assert_eq!(files(&bench.path("d")).len(), 1);

@@ -5,7 +5,7 @@ use super::*;
 #[test]
 fn what_cannot_be_written_ends_with_4() {
     let bench = Bench::new(STUDY);
-    bench.refused(&["study.toml", "--out", "no/such/folder/a.csv"], 4, &["no/such/folder/a.csv.partial"]);
+    bench.refused(&["study.toml", "--output", "no/such/folder/a.csv"], 4, &["no/such/folder/a.csv.partial"]);
 }
 
 /// Replaces the one place where `from` stands.
@@ -128,7 +128,7 @@ fn the_studies_of_the_docs_run() {
             continue;
         }
         let bench = Bench::new("");
-        bench.good(&[path.to_str().expect("UTF-8"), "--seeds", "1", "--out", "a.csv"]);
+        bench.good(&[path.to_str().expect("UTF-8"), "--seeds", "1", "--output", "a.csv"]);
         assert!(bench.rows("a.csv").len() >= 12, "{}", path.display());
         studies += 1;
     }
@@ -160,7 +160,7 @@ fn the_job_array_of_the_docs_merges_to_the_whole() {
         assert!(output.status.success(), "{}", stderr(&output));
     }
     bench.good(&["--merge", "h2.csv", "h2.1-of-3.csv", "h2.2-of-3.csv", "h2.3-of-3.csv"]);
-    bench.good(&[study, "--seeds", "2", "--out", "whole.csv"]);
+    bench.good(&[study, "--seeds", "2", "--output", "whole.csv"]);
     assert!(bench.read("h2.csv") == bench.read("whole.csv"));
     let script = std::fs::read_to_string(repository("docs/studies/array.sh")).expect("the script");
     assert!(script.contains("cocarry sweep --merge h2.csv h2.*-of-16.csv"));

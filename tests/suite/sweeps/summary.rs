@@ -128,7 +128,7 @@ gamma = 0.765
 #[test]
 fn results_are_drawn() {
     let bench = Bench::new(STUDY);
-    bench.good(&["study.toml", "--out", "a.csv"]);
+    bench.good(&["study.toml", "--output", "a.csv"]);
     let plot = |arguments: &[&str]| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_cocarry"));
         let command = command.arg("plot").args(arguments).current_dir(bench.folder.path());

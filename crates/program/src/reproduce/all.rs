@@ -23,7 +23,7 @@ pub(in super::super) struct AllArguments {
     common: Common,
     /// Write the report into this folder: report.html, report.md, a CSV file for each table, tables.csv with
     /// their checksums, figures/*.svg
-    #[arg(short, long, alias = "report", value_name = "FOLDER")]
+    #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
     /// Only these parts, separated by commas [default: all]
     #[arg(long, value_delimiter = ',', value_parser = PossibleValuesParser::new(PARTS.iter().map(|part| part.id)))]

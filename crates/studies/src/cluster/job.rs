@@ -2,7 +2,7 @@
 
 use super::ClusterError;
 use crate::parallel::OnDone;
-use crate::study::{Shard, Study, Sweep, SweepOutputs};
+use crate::study::{Shard, Study, Sweep, SweepOutputs, check_name};
 use cocarry::arithmetic;
 use cocarry::bounds;
 use cocarry::located::{self, Source};
@@ -102,6 +102,7 @@ impl Job {
         overwrite: bool,
     ) -> Result<Self, ClusterError> {
         Outputs::new(overwrite, [description.study.clone()]).check(results)?;
+        check_name(results)?;
         let results = std::path::absolute(results).map_err(folder_error(results))?;
         let job = Self { folder: folder_of(&results), results, description };
         if job.folder.join(DESCRIPTION).exists() {

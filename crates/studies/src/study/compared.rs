@@ -103,11 +103,7 @@ fn quantity(name: &str) -> Result<&'static str, Error> {
     one_of("quantity", name, numbers.map(|quantity| quantity.key))
 }
 
-fn one_of(
-    what: &str,
-    name: &str,
-    known: impl Iterator<Item = &'static str>,
-) -> Result<&'static str, Error> {
+fn one_of(what: &str, name: &str, known: impl Iterator<Item = &'static str>) -> Result<&'static str, Error> {
     let known: Vec<&'static str> = known.collect();
     known.iter().copied().find(|known| *known == name).ok_or_else(|| {
         let hint = hint(name, known.iter().copied());

@@ -1,10 +1,12 @@
 //! The table of a summary's paired comparisons, and what its reader should know.
 
+use super::row;
 use super::summary::{Comparison, Group, OUTCOMES, Summary};
 use crate::paper::pairs::{KEYS, paired_columns};
 use crate::statistics::{Estimate, Paired};
 use crate::table::{Cell, Columns, Table};
 use cocarry::quantities::{EPISODE, Kind};
+use serde_json::Value;
 
 /// Short names of the quantities that are compared most.
 const SHORT: [(&str, &str); 3] = [
@@ -20,7 +22,7 @@ impl Summary {
         let keys: Vec<&str> = always.chain(self.varied.iter().map(String::as_str)).collect();
         let mut columns = Columns::of(&self.groups);
         for key in keys {
-            columns = columns.data(key, |group: &Group| group.inputs.get(key).cloned().unwrap_or_default());
+            columns = columns.column("", true, &[key], |group: &Group| input(key, group.inputs.get(key)));
         }
         columns = columns.count("n", "n", |group| group.n).count("arrived", "arrived", |group| group.arrived);
         for key in OUTCOMES {
@@ -48,11 +50,8 @@ impl Summary {
         let named = self.named();
         let mut columns = Columns::of(&shown);
         for key in self.varied.iter().filter(has) {
-            let value = |c: &&Comparison| c.inputs.get(key).cloned().unwrap_or_default();
-            columns = match named.contains(&key.as_str()) {
-                true => columns.text(key, key, value),
-                false => columns.data(key, value),
-            };
+            let heading = if named.contains(&key.as_str()) { key } else { "" };
+            columns = columns.column(heading, true, &[key], |c| input(key, c.inputs.get(key)));
         }
         columns = columns
             .column("quantity", true, &["quantity"], |c| Cell {
@@ -64,9 +63,13 @@ impl Summary {
                 values: vec![c.first.as_str().into(), c.second.as_str().into()],
             })
             .count("pairs", "pairs", |c| c.difference.difference.n);
-        let columns = paired_columns(columns, "difference (95 %)", KEYS, |c| Some(c.difference), |c, paired| {
-            difference(c.cost, paired)
-        });
+        let columns = paired_columns(
+            columns,
+            "difference (95 %)",
+            KEYS,
+            |c| Some(c.difference),
+            |c, paired| difference(c.cost, paired),
+        );
         let columns = columns
             .column("lower in", false, &["share_lower"], |c| Cell {
                 shown: format!("{:.0} %", 100.0 * c.share_lower),
@@ -89,7 +92,9 @@ impl Summary {
         let test = match tested {
             0 => String::new(),
             1 => "; p: paired t-test".to_owned(),
-            _ => format!("; p: paired t-test, corrected by Holm's method for the {tested} comparisons tested"),
+            _ => {
+                format!("; p: paired t-test, corrected by Holm's method for the {tested} comparisons tested")
+            }
         };
         let mut notes = vec![format!(
             "First minus second, all other inputs equal, over the seeds with which both arrived. d: mean of the differences over their standard deviation{test}. One outcome: no interval and no test, since all humans make the same choices, and seeds differ by gait noise only."
@@ -100,7 +105,8 @@ impl Summary {
         let (named, mut arrivals): (_, Vec<String>) = (self.named(), Vec::new());
         for c in self.comparisons.iter().filter(|c| c.arrivals[1..] != [0, 0, 0]) {
             let [both, first, second, none] = c.arrivals;
-            let is_told = |(key, value): &(&String, &String)| named.contains(&key.as_str()) && !value.is_empty();
+            let is_told =
+                |(key, value): &(&String, &String)| named.contains(&key.as_str()) && !value.is_empty();
             let inputs = c.inputs.iter().filter(is_told);
             let inputs = inputs.map(|(key, value)| format!(", {key} {value}")).collect::<String>();
             let line = format!(
@@ -116,6 +122,20 @@ impl Summary {
     }
 }
 
+/// The cell of an input: a number for programs, if its column has numbers.
+fn input(key: &str, text: Option<&String>) -> Cell {
+    let shown = text.cloned().unwrap_or_default();
+    let kind = row::headings().into_iter().find(|heading| heading.name == key).map(|heading| heading.kind);
+    let value = match kind {
+        _ if shown.is_empty() => Value::Null,
+        Some(Kind::Number(_)) => shown.parse::<f64>().map_or(Value::Null, Value::from),
+        Some(Kind::Count) => shown.parse::<u64>().map_or(Value::Null, Value::from),
+        Some(Kind::Flag) => shown.parse::<bool>().map_or(Value::Null, Value::from),
+        _ => Value::from(shown.as_str()),
+    };
+    Cell { shown, values: vec![value] }
+}
+
 fn short(quantity: &'static str) -> &'static str {
     SHORT.iter().find(|(key, _)| *key == quantity).map_or(quantity, |(_, short)| short)
 }
@@ -123,7 +143,8 @@ fn short(quantity: &'static str) -> &'static str {
 /// The difference with as many decimals as the quantity has.
 fn difference(quantity: &str, paired: &Paired) -> String {
     let is_count = EPISODE.iter().any(|q| q.key == quantity && matches!(q.kind, Kind::Count));
-    let largest = paired.difference.interval.map_or(paired.difference.mean.abs(), |[a, b]| a.abs().max(b.abs()));
+    let largest =
+        paired.difference.interval.map_or(paired.difference.mean.abs(), |[a, b]| a.abs().max(b.abs()));
     let decimals = match largest {
         _ if is_count => 2,
         large if large >= 100.0 => 1,

@@ -142,7 +142,10 @@ impl SweepError {
 
     /// A name of results whose extension is that of another format.
     pub(super) fn extension(file: String) -> Self {
-        Self::of_file(file, format_args!("results are written as CSV or Parquet; expected the extension .csv or .parquet"))
+        Self::of_file(
+            file,
+            format_args!("results are written as CSV or Parquet; expected the extension .csv or .parquet"),
+        )
     }
 
     /// Ticks and rows with one name.

@@ -28,15 +28,16 @@ mod summary;
 mod tables;
 
 pub use again::{Difference, different};
+pub use compared::Comparing;
 pub use error::{Position, SweepError};
 pub use merge::merge;
 pub use partial::{Shard, Sweep, SweepOutputs, complete_rows, rows_with};
 pub use partners::{Custom, EpisodeMaker, Partner, Partners};
 pub use pictures::{Drawn, picture};
 pub use plane::{Plane, PlanePart};
+pub(crate) use results::check_name;
 pub use results::{Results, read_rows};
 pub use row::line_of_cells as line_of;
-pub use compared::Comparing;
 pub use summary::{Comparison, Group, OUTCOMES, Summary};
 
 use cell::Cell;

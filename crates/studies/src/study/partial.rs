@@ -7,9 +7,9 @@
 
 use super::error::Position;
 use super::ordered::in_order;
+use super::partners::{BuiltIn, EpisodeMaker};
 use super::results::{self, Identity};
 use super::tables::{self, Ticks};
-use super::partners::{BuiltIn, EpisodeMaker};
 use super::{Study, SweepError, row};
 use crate::parallel::OnDone;
 use cocarry::arithmetic;

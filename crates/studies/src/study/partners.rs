@@ -157,7 +157,9 @@ fn check(
             }
             Partner::Custom { name, code } => {
                 let is_text = |text: &&String| {
-                    !text.is_empty() && text.chars().count() <= MAX_TEXT && !text.chars().any(char::is_control)
+                    !text.is_empty()
+                        && text.chars().count() <= MAX_TEXT
+                        && !text.chars().any(char::is_control)
                 };
                 if let Some(wrong) = [name, code].into_iter().find(|text| !is_text(text)) {
                     return refused(format!(

@@ -125,7 +125,8 @@ fn of_differences(
         } else {
             format!("it has those of {}", known.join(" and "))
         };
-        let error = Error::new(format!("{file}: no differences of `{quantity}` between combinations; {known}"));
+        let error =
+            Error::new(format!("{file}: no differences of `{quantity}` between combinations; {known}"));
         return Err(SweepError::File(error));
     }
     let mut panels: Vec<DifferencePanel> = Vec::new();

@@ -112,7 +112,7 @@ pub(super) fn finish(file: OutputFile, path: &Path, origin: &Origin) -> Result<(
 }
 
 /// The check that this program can write a file of that name: other extensions are of other formats.
-pub(super) fn check_name(path: &Path) -> Result<(), SweepError> {
+pub(crate) fn check_name(path: &Path) -> Result<(), SweepError> {
     let file = path.display().to_string();
     match path.extension() {
         _ if is_parquet(path) => tables::check(&file),
@@ -231,7 +231,17 @@ impl<'a> Rows<'a> {
 
     fn new(file: String, source: RowSource<'a>) -> Self {
         let (line, splitter, headings) = (Vec::new(), Splitter::new(), row::headings());
-        Self { file, source, number: 0, line, splitter, headings, unchecked: 0, is_rewritten: false, changed: None }
+        Self {
+            file,
+            source,
+            number: 0,
+            line,
+            splitter,
+            headings,
+            unchecked: 0,
+            is_rewritten: false,
+            changed: None,
+        }
     }
 
     /// Opens the file and checks its columns.

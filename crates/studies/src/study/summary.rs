@@ -256,11 +256,7 @@ impl Summary {
     }
 
     /// The same; with `in_order`, `None` if the rows are not those of one study in its order.
-    fn read(
-        results: &[Results],
-        comparing: &Comparing,
-        in_order: bool,
-    ) -> Result<Option<Self>, SweepError> {
+    fn read(results: &[Results], comparing: &Comparing, in_order: bool) -> Result<Option<Self>, SweepError> {
         let names = results.iter().map(Results::name).collect();
         let mut reader = SummaryReader::new(comparing, names);
         let mut origins = Origins::default();
@@ -432,7 +428,8 @@ impl<'a> SummaryReader<'a> {
                 None => once.push(end),
                 Some(last) if last.is_equal(&end) => self.repeated += 1,
                 Some(_) => {
-                    let found = format!("of a combination that has seed {} already, with other results", end.seed);
+                    let found =
+                        format!("of a combination that has seed {} already, with other results", end.seed);
                     return Err(self.wrong_row(end.place, found, "another combination or seed"));
                 }
             }
