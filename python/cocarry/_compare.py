@@ -7,12 +7,13 @@ import os
 import pathlib
 import warnings
 from collections.abc import Sequence
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 from cocarry import _cocarry
 from cocarry._cocarry import StudyError, Table
 
 _Path = str | os.PathLike[str]
+_Found = TypeVar("_Found")
 
 
 class Picture:
@@ -103,7 +104,8 @@ def plot(
     return _noted(Picture(svg), notes)
 
 
-def _noted(found: Any, notes: list[str]) -> Any:
+def _noted(found: _Found, notes: list[str]) -> _Found:
+    """What was found, after warnings of the notes."""
     for note in notes:
         warnings.warn(note, stacklevel=3)
     return found

@@ -37,8 +37,7 @@ def load(what: str, name: str) -> Any:
     try:
         return known[name].load()
     except Exception as error:
-        package = known[name].dist.name if known[name].dist is not None else known[name].value
-        raise DecisionError(f"{what} = {name!r}: the package {package} cannot be loaded: {error!r}") from error
+        raise DecisionError(f"{what} = {name!r}: {known[name].value} cannot be loaded: {error!r}") from error
 
 
 def listed() -> list[tuple[str, str]]:
