@@ -39,7 +39,9 @@ impl Held {
             )));
         };
         let count = cells.first().map_or(0, Vec::len);
-        let line = |row: usize| line_of(places.iter().map(|&column| cells[column][row].as_str()));
+        let line = |row: usize| {
+            line_of(places.iter().map(|&column| cells[column].get(row).map_or("", String::as_str)))
+        };
         Ok(Self::Lines { name, lines: (0..count).map(line).collect() })
     }
 

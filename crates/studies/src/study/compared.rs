@@ -111,10 +111,13 @@ fn one_of(what: &str, name: &str, known: impl Iterator<Item = &'static str>) -> 
     })
 }
 
-/// The refusal of results without anything to compare.
-pub(super) fn nothing(names: &[String], by: &str) -> SweepError {
-    let files = names.join(", ");
-    SweepError::File(Error::new(format!("{files}: no two combinations differ in {by} alone")))
+/// The refusal of results without anything to compare, although some episodes were paired, or not.
+pub(super) fn nothing(names: &[String], by: &str, are_paired: bool) -> SweepError {
+    let why = match are_paired {
+        true => "no pair of episodes has both arrived, with the quantities that are compared".to_owned(),
+        false => format!("no two combinations differ in {by} alone, with the same seed"),
+    };
+    SweepError::File(Error::new(format!("{}: {why}", names.join(", "))))
 }
 
 #[cfg(test)]

@@ -88,13 +88,14 @@ impl Partners {
     /// Puts the partners in the place of those of every combination. Combinations that differed in these only
     /// become one.
     pub(super) fn apply(self, contents: &mut Contents) {
+        // cells are told apart by the names of their partners
+        contents.partners = self.clone();
         for (which, partners) in self.0.iter().enumerate().filter(|(_, partners)| !partners.is_empty()) {
             for i in 0..contents.runs.len() {
                 let cells = std::mem::take(&mut contents.runs[i].0.cells);
                 contents.runs[i].0.cells = crossed(contents, cells, which, partners);
             }
         }
-        contents.partners = self;
     }
 
     /// The name and the code of a cell's custom policy (0) or human (1).

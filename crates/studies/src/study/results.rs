@@ -68,7 +68,7 @@ pub(super) fn check_values(line: &[u8], file: &str, position: Position) -> Resul
 
 /// A cell as a sweep writes it: other programs write 36 as 36.0, false as False, and nothing as NaN.
 fn as_written(heading: &Heading, cell: &str) -> String {
-    let number = || cell.trim().parse::<f64>().ok().filter(|number| number.is_finite());
+    let number = || cell.trim().parse::<f64>().ok().filter(|number| !number.is_nan());
     match heading.kind {
         Kind::Number(_) => number().map_or_else(String::new, |number| number.to_string()),
         Kind::Count => match cell.parse::<u64>() {

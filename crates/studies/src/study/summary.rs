@@ -44,6 +44,9 @@ pub struct Summary {
     pub groups: Vec<Group>,
     /// One comparison for every quantity and every two combinations that differ only in what is compared.
     pub comparisons: Vec<Comparison>,
+    /// Whether two episodes were paired.
+    #[serde(skip)]
+    are_paired: bool,
     /// What a reader should know of the rows.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
@@ -303,7 +306,10 @@ impl Summary {
     /// # Errors
     /// No two combinations differ in it alone.
     pub fn check_compared(&self, names: &[String], by: &str) -> Result<(), SweepError> {
-        if self.comparisons.is_empty() { Err(nothing(names, by)) } else { Ok(()) }
+        match self.comparisons.is_empty() {
+            true => Err(nothing(names, by, self.are_paired)),
+            false => Ok(()),
+        }
     }
 }
 
@@ -516,6 +522,7 @@ impl<'a> SummaryReader<'a> {
             varied: varied.iter().map(|i| names[*i].to_owned()).collect(),
             groups: self.cells.iter().map(group).collect(),
             comparisons,
+            are_paired: !self.arrivals.is_empty(),
             notes: origins.notes(self.repeated),
         }
     }
