@@ -29,6 +29,12 @@ def test_an_own_human_arrives():
     assert output("own_human.py").count("arrived") == 6
 
 
+def test_an_own_policy_is_compared(tmp_path):
+    shown = output("own_policy.py", "--seeds=10", f"--out={tmp_path / 'differences.svg'}")
+    assert shown.count("patient(0.3) - mutual") == 8 and shown.count("n 10") == 24
+    assert (tmp_path / "differences.svg").read_text().startswith("<svg")
+
+
 def test_ppo_runs_with_a_tiny_budget():
     pytest.importorskip("stable_baselines3")
     shown = output("ppo.py", "--steps=8192", "--seeds=1", "--humans=2", "--lanes=8", "--checks=1", "--processes=1")
