@@ -31,8 +31,13 @@ impl Saved {
     }
 
     /// The bytes.
-    pub(crate) fn bytes(&self) -> &[u8] {
+    pub fn bytes(&self) -> &[u8] {
         &self.0
+    }
+
+    /// A saved state of these bytes, which [`Saved::read`] checks.
+    pub fn from_bytes(bytes: &[u8]) -> Self {
+        Self(bytes.to_vec())
     }
 
     /// The state read back. The error calls it `part`.

@@ -2,6 +2,7 @@
 
 The same simulation as the Rust library and program ``cocarry``: the same scenario gives the same bits.
 Lengths are in metres, times in seconds, angles in radians unless a name ends in another unit.
+Where Gymnasium is installed, its ids ``cocarry/Options-v0`` and ``cocarry/Carry-v1`` are registered.
 Modules to import on their own: ``cocarry.environments`` (Gymnasium), ``cocarry.pettingzoo``, ``cocarry.datasets``.
 
 >>> import cocarry
@@ -40,6 +41,7 @@ from cocarry._cocarry import (
 from cocarry._compare import Picture, compare, plot, summary
 from cocarry._partners import Decision, Human, HumanDecision, Policy
 from cocarry._program import fit_eta, fit_risk_weight, reproduce
+from cocarry._register import register_if_installed as _register_if_installed
 from cocarry._study import sweep
 
 __all__ = [
@@ -81,3 +83,5 @@ __all__ = [
     "summary",
     "sweep",
 ]
+
+_register_if_installed()

@@ -50,11 +50,8 @@ class ClosedError(Error):
 class World:
     """A world: obstacles, openings, start and target. Shows itself as its map in a notebook."""
 
-    def __new__(cls, world: _Path = ...) -> Self:
-        """Reads a world file (TOML), or takes a built-in world: environment-1 to environment-4, or free-form.
-
-        Raises WorldError with the file, the line, the item and the numbers.
-        """
+    def __new__(cls, world: _Path | World | None = None) -> Self:
+        ...
     @staticmethod
     def parse(text: str, name: str = "world") -> World:
         """Reads the text of a world file; errors call it ``name``."""
@@ -97,9 +94,7 @@ class Robot:
     """A mobile manipulator: a wheeled base with an arm."""
 
     def __new__(cls, file: _Path | None = None, *, xacro: bool = False) -> Self:
-        """Reads a robot file (TOML) with its URDF, or takes the built-in robot. A xacro is refused, unless ``xacro`` is
-        set: then the program ``xacro`` expands it, which runs code that is in the file. Raises RobotError.
-        """
+        ...
     @property
     def name(self) -> str:
         """Name."""
@@ -137,24 +132,11 @@ class Scenario:
         preference_changes: int | str | None = None,
         belief_alpha: str = "uniform(0.55,0.95)",
         belief_gamma: str = "uniform(0.5,1.1)",
-        belief_samples: _Floats | None = None,
+        belief_samples: Any = None,
         robot: _Path | Robot | None = None,
         **settings: Unpack[Settings],
     ) -> Self:
-        """A scenario with the defaults of ``cocarry run``.
-
-        world: a world file, a built-in world (default environment-4) or a World.
-        plant: what the controller moves: the planning level alone, exact kinematics, or bodies with dynamics.
-        seed: of the human, of the human's preference changes, and of the gait.
-        alpha, gamma: the human's perception of distance and risk; drawn from the belief if not given.
-        changes: (step, alpha, gamma): preference changes. preference_changes: their number, drawn from the
-            seed.
-        belief_alpha, belief_gamma: the robot's belief: uniform(LOWER,UPPER) or normal(MEAN,STD,LOWER,UPPER).
-        belief_samples: the belief as samples, (n, 2) alpha and gamma, or (n, 3) with weights.
-        robot: a robot file or a Robot. settings: see cocarry.settings().
-
-        Raises ScenarioError with the key, the value and the values allowed; WorldError; RobotError.
-        """
+        ...
     @staticmethod
     def parse(text: str) -> Scenario:
         """Reads a scenario's text (TOML)."""
@@ -198,6 +180,8 @@ class Scenario:
     def settings(self) -> dict[str, Any]:
         """The settings that the scenario has, by their keys."""
     def __eq__(self, other: object, /) -> bool: ...
+    def __copy__(self) -> Scenario: ...
+    def __deepcopy__(self, _memo: Any = None) -> Scenario: ...
     def __reduce__(self) -> Any: ...
 
 @final
@@ -211,17 +195,7 @@ class Episode:
     """
 
     def __new__(cls, scenario: Scenario, *, policy: Any = None, human: Any = None) -> Self:
-        """The episode before its first step.
-
-        policy: a custom policy of the robot: a callable or an object with ``decide``, of a RobotView (see
-            cocarry.Policy), or a class of such objects. Its answer: an option to lead on, None to follow,
-            or a Decision.
-        human: a custom human: the same, of a HumanView (see cocarry.Human). Its answer: an option, or a
-            HumanDecision.
-
-        Raises ScenarioError: a part of the scenario is not valid. Exceptions of custom partners are raised by
-        the step.
-        """
+        ...
     @staticmethod
     def resume(snapshot: bytes | _Path, *, policy: Any = None, human: Any = None) -> Episode:
         """The episode of a snapshot, its bytes or a file; it continues with the same bits. Raises
@@ -410,10 +384,9 @@ class Preference:
         risk_weight_m: float = 10.0,
         belief_alpha: str = "uniform(0.55,0.95)",
         belief_gamma: str = "uniform(0.5,1.1)",
-        belief_samples: _Floats | None = None,
+        belief_samples: Any = None,
     ) -> Self:
-        """Of options with lengths D_o (m) and risks S_o (0 to 1). Raises Error with the value and what would
-        be right."""
+        ...
     @staticmethod
     def of(scenario: Scenario) -> Preference:
         """Of a scenario's options from its start, with its belief and c_r."""
@@ -436,7 +409,7 @@ class Preference:
         """J^_o of a human, eq. (2), cost units."""
     def choice(self, alpha: float, gamma: float) -> int:
         """The option that a human prefers, eq. (3)."""
-    def choices(self, alpha: _Floats, gamma: _Floats) -> NDArray[np.int64]:
+    def choices(self, alpha: Sequence[float] | _Floats, gamma: Sequence[float] | _Floats) -> NDArray[np.int64]:
         """The options that humans prefer, for arrays of alpha and gamma."""
     def regions(
         self, alpha: Sequence[float] | None = None, gamma: Sequence[float] | None = None
@@ -444,6 +417,9 @@ class Preference:
         """R_o: parts of the plane with their option and outline, (n, 2) of alpha and gamma; by default of the
         belief."""
     def __len__(self) -> int: ...
+    def __reduce__(self) -> Any: ...
+    @staticmethod
+    def _rebuild(state: bytes) -> Preference: ...
 
 @final
 class Table:
@@ -505,14 +481,19 @@ class Lanes:
 
     def __new__(
         cls,
-        count: int,
+        num_envs: int,
         task: str,
         scenarios: Sequence[Scenario],
         *,
         alpha: float | None = None,
         gamma: float | None = None,
-        weights: tuple[float, float, float] = ...,
-        most_steps: int | None = None,
+        weights: tuple[float, float, float] | None = None,
+        max_steps: int | None = None,
+        max_episode_steps: int | None = None,
+        prices_ending: bool = False,
+        most_step_cost: float | None = None,
+        action_scale: float | None = None,
+        tells_built_in: bool = False,
         autoreset: str | None = None,
         threads: int | None = None,
     ) -> Self: ...
@@ -521,7 +502,7 @@ class Lanes:
         self,
         mask: Sequence[bool] | None = None,
         *,
-        world: int | None = None,
+        world: int | str | None = None,
         seed: int | None = None,
         alpha: float | None = None,
         gamma: float | None = None,
@@ -536,11 +517,21 @@ class Lanes:
     @property
     def truncated(self) -> NDArray[np.bool_]: ...
     @property
-    def layout(self) -> list[tuple[str, tuple[float, float]]]: ...
+    def layout(self) -> list[tuple[str, str, tuple[float, float]]]: ...
+    @property
+    def action_layout(self) -> list[tuple[str, str]]: ...
+    @property
+    def worlds(self) -> list[str]: ...
     @property
     def limits(self) -> _Floats: ...
     @property
     def options(self) -> int: ...
+    @property
+    def action_masks(self) -> NDArray[np.int8]: ...
+    def built_in(self, index: int) -> tuple[_Floats, _Floats] | None: ...
+    def bound(self, index: int) -> tuple[int, float] | None: ...
+    def save(self) -> bytes: ...
+    def restore(self, state: bytes) -> None: ...
     def episode(self, index: int) -> dict[str, Any]: ...
     def scenario(self, index: int) -> Scenario | None: ...
     def costs(self, index: int) -> tuple[float, float, float]: ...

@@ -17,21 +17,21 @@ from pettingzoo import ParallelEnv
 from pettingzoo.utils.conversions import parallel_to_aec
 
 from cocarry import _cocarry
-from cocarry._cocarry import Error, Lanes, World
-from cocarry.environments import _ENVIRONMENTS, _WISHES, _scenarios, _space, _wish
+from cocarry._cocarry import Error, World
+from cocarry.environments import _ENVIRONMENTS, _MODES, _WISHES, _check_render_mode, _Resumable, _scenarios, _seed, _space, _wish
 
 __all__ = ["CocarryEnv", "env", "parallel_env"]
 
-_MODES = ("rgb_array", "html")
 
-
-class CocarryEnv(ParallelEnv):  # type: ignore[misc]
+class CocarryEnv(_Resumable, ParallelEnv):  # type: ignore[misc]
     """The environment of two agents, ``robot`` and ``human``.
 
     Actions: robot, Discrete(n + 1): i leads on option i, n follows. human, MultiDiscrete([n, 3]): the option preferred,
     then 0 to follow, 1 to resist, 2 to take over. Observations: Box, float64: as of cocarry/Options-v0; the human's has
-    alpha and gamma at its end. max_cycles: steps after which the episode is truncated. Other keywords as of
-    cocarry/Options-v0.
+    alpha and gamma at its end, and is the ``state()`` of the environment too. ``infos[agent]["action_mask"]`` is for
+    ``action_space(agent).sample(mask)``: 0 for options that the episode's world does not have. max_cycles: steps after
+    which the episode is truncated. Other keywords as of cocarry/Options-v0. Environments can be copied
+    (``copy.deepcopy``) and pickled in mid-episode.
     """
 
     metadata: dict[str, Any] = {"name": "cocarry_v0", "render_modes": list(_MODES), "is_parallelizable": True}  # noqa: RUF012
@@ -48,18 +48,18 @@ class CocarryEnv(ParallelEnv):  # type: ignore[misc]
         render_mode: str | None = None,
         **settings: Any,
     ) -> None:
-        if render_mode not in (None, *_MODES):
-            raise Error(f"render_mode = {render_mode!r}; it must be None or one of: {', '.join(_MODES)}")
-        scenarios = _scenarios(worlds, "point", settings)
-        self._lanes = Lanes(1, "both", scenarios, alpha=alpha, gamma=gamma, most_steps=max_cycles)
-        self._weights, self.render_mode = (objective_weight, subjective_weight), render_mode
-        if not np.isfinite(self._weights).all():
-            raise Error(f"weights of the reward are {self._weights}; they must be finite numbers")
+        _check_render_mode(render_mode)
+        weights = (objective_weight, subjective_weight, 0.0)
+        if max_cycles is not None and (isinstance(max_cycles, bool) or not hasattr(max_cycles, "__index__") or max_cycles < 1):
+            raise Error(f"max_cycles = {max_cycles!r}; it must be a whole number of at least 1")
+        self._make(1, "both", _scenarios(worlds, "point", settings), alpha=alpha, gamma=gamma, max_steps=max_cycles, weights=weights)
+        self._weights, self.render_mode = weights[:2], render_mode
         self.possible_agents = ["robot", "human"]
         self.agents: list[str] = []
         shown, n = _space(self._lanes), self._lanes.options
         human = spaces.Box(np.append(shown.low, [0.0, 0.0]), np.append(shown.high, [10.0, 10.0]), dtype=np.float64)
         self.observation_spaces = {"robot": shown, "human": human}
+        self.state_space = human
         self.action_spaces = {"robot": spaces.Discrete(n + 1), "human": spaces.MultiDiscrete([n, 3])}
         self._actions: list[list[float]] = []
         self._is_seeded = False
@@ -72,26 +72,31 @@ class CocarryEnv(ParallelEnv):  # type: ignore[misc]
         """The space of an agent's actions."""
         return self.action_spaces[agent]
 
-    @property
-    def observation_names(self) -> list[str]:
-        """The names of the numbers of the robot's observation; the human's has alpha and gamma after them."""
-        return [name for name, _ in self._lanes.layout]
-
     def _observations(self) -> dict[str, Any]:
         shown, episode = self._lanes.observations[0].copy(), self._lanes.episode(0)
         return {"robot": shown, "human": np.append(shown, [episode["alpha"], episode["gamma"]])}
 
+    def state(self) -> Any:
+        """Everything that is known of the present: the robot's observation, then the human's alpha and gamma."""
+        return self._observations()["human"]
+
+    def _masks(self) -> dict[str, Any]:
+        """The actions that each agent has in the episode's world."""
+        mask = self._lanes.action_masks[0]
+        return {"robot": {"action_mask": mask}, "human": {"action_mask": (mask[:-1].copy(), np.ones(3, dtype=np.int8))}}
+
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Begins an episode. ``options`` may set ``world`` (an index), ``seed``, ``alpha`` and ``gamma`` of it; others
+        """Begins an episode. ``options`` may set ``world`` (an index or a name), ``seed``, ``alpha`` and ``gamma`` of it; others
         are ignored, as PettingZoo's tests ask."""
         wish = _wish({key: value for key, value in (options or {}).items() if key in _WISHES})
         if seed is not None or not self._is_seeded:
-            self._lanes.seed(0, int(np.random.default_rng().integers(2**62)) if seed is None else seed)
+            self._lanes.seed(0, int(np.random.default_rng().integers(2**62)) if seed is None else _seed(seed))
         self._is_seeded = True
         self._lanes.reset(**wish)
         self.agents = list(self.possible_agents)
         self._actions.clear()
-        return self._observations(), {agent: self._lanes.episode(0) for agent in self.agents}
+        masks = self._masks()
+        return self._observations(), {agent: self._lanes.episode(0) | masks[agent] for agent in self.agents}
 
     def step(self, actions: dict[str, Any]) -> tuple[dict[str, Any], dict[str, float], dict[str, bool], dict[str, bool], dict[str, Any]]:
         """One planning step (0.2 s by default)."""
@@ -123,15 +128,14 @@ class CocarryEnv(ParallelEnv):  # type: ignore[misc]
             rewards,
             dict.fromkeys(agents, terminated),
             dict.fromkeys(agents, truncated),
-            {agent: dict(info) for agent in agents},
+            {agent: info | mask for agent, mask in self._masks().items()},
         )
 
     def render(self) -> Any:
         """The world from above with the way walked, (height, width, 3) uint8, or the page of the 3-D player."""
         if self.render_mode is None:
             return None
-        recording = self._lanes.recording(0, self._actions)
-        return _cocarry.player(recording, "episode") if self.render_mode == "html" else _cocarry.picture(recording, 480)
+        return self._picture(0, self._actions)
 
     def close(self) -> None:
         """Ends the environment."""

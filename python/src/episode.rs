@@ -1,19 +1,20 @@
 //! Episodes.
 
+use crate::arguments;
 use crate::error::{ClosedError, Error, RecordingError, ScenarioError, SnapshotError, guarded, raise};
-use crate::partners::{Fault, Own};
+use crate::partners::{Fault, Held, Own};
 use crate::recording::{framed, page};
 use crate::scenario::Scenario;
 use crate::table::Table;
 use crate::value;
 use cocarry::episode::{self, Outcome};
-use cocarry::human::Human;
 use cocarry::quantities::{EPISODE, LEARNED, Record, TICK, View};
 use cocarry::scenario::{Partners, PreparedScenario, Snapshot};
 use cocarry_recording::recording::{self, Ending, FileRecorder, Recorder};
 use numpy::PyArray1;
 use pyo3::exceptions::{PyKeyError, PyStopIteration};
 use pyo3::prelude::*;
+use pyo3::{PyTraverseError, PyVisit};
 use pyo3::types::{PyBytes, PyDict};
 use self_cell::self_cell;
 use std::io::Cursor;
@@ -40,19 +41,39 @@ self_cell!(
 );
 
 impl Cell {
-    /// The episode of a prepared scenario, with another human if one is given.
-    pub fn beginning(
+    /// The episode of a prepared scenario and its partners, before its first step or in a state.
+    pub fn begin(
         prepared: Arc<PreparedScenario>,
-        human: Option<Box<dyn Human>>,
+        partners: Partners<'static>,
+        state: Option<episode::State>,
     ) -> Result<Self, cocarry::Error> {
         Self::try_new(prepared, |prepared| {
-            let episode = prepared.episode_of(Partners { human, policy: None })?;
+            let mut episode = prepared.episode_of(partners)?;
+            if let Some(state) = state {
+                episode = episode.resume(state)?;
+            }
             Ok(Running { episode, recorder: None, outcome: None })
         })
     }
 }
 
-/// A running episode.
+/// A running episode. Iterating takes steps and gives their ticks. Shows itself as the 3-D player in a
+/// notebook.
+///
+/// An episode pickles and copies through snapshots, without its recording; a copy continues with the same
+/// bits.
+/// One thread at a time uses it; others get ClosedError at once.
+///
+/// The episode before its first step.
+///
+/// policy: a custom policy of the robot: a callable or an object with ``decide``, of a RobotView (see
+///     cocarry.Policy), or a class of such objects. Its answer: an option to lead on, None to follow,
+///     or a Decision.
+/// human: a custom human: the same, of a HumanView (see cocarry.Human). Its answer: an option, or a
+///     HumanDecision.
+///
+/// Raises ScenarioError: a part of the scenario is not valid. Exceptions of custom partners are raised by
+/// the step.
 #[pyclass(frozen, module = "cocarry", name = "Episode")]
 pub struct Episode {
     scenario: Py<Scenario>,
@@ -88,17 +109,7 @@ pub fn cell(
     state: Option<episode::State>,
 ) -> PyResult<Cell> {
     let partners = own.partners(&prepared, fault);
-    let cell = py.detach(|| {
-        guarded(|| {
-            Cell::try_new(prepared, |prepared| {
-                let mut episode = prepared.episode_of(partners)?;
-                if let Some(state) = state {
-                    episode = episode.resume(state)?;
-                }
-                Ok::<_, cocarry::Error>(Running { episode, recorder: None, outcome: None })
-            })
-        })
-    });
+    let cell = py.detach(|| guarded(|| Cell::begin(prepared, partners, state)));
     fault.take()?;
     cell?.map_err(|error| raise::<ScenarioError>(&error))
 }
@@ -109,7 +120,7 @@ impl Episode {
         let prepared = scenario.get().prepared(py)?;
         let pristine = own.copied(py)?;
         let fault = Fault::default();
-        let cell = cell(py, prepared, own.clone_ref(py), &fault, state)?;
+        let cell = cell(py, prepared, own.clone(), &fault, state)?;
         Ok(Self { scenario, pristine, own, fault, cell: Mutex::new(Some(cell)) })
     }
 
@@ -260,13 +271,15 @@ impl Episode {
     #[pyo3(signature = (scenario, *, policy = None, human = None))]
     fn new(
         py: Python<'_>,
-        scenario: Py<Scenario>,
+        #[pyo3(from_py_with = arguments::scenario)] scenario: Py<Scenario>,
         policy: Option<&Bound<'_, PyAny>>,
         human: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         Self::of(py, scenario, Own::of(policy, human)?, None)
     }
 
+    /// The episode of a snapshot, its bytes or a file; it continues with the same bits. Raises
+    /// SnapshotError.
     #[staticmethod]
     #[pyo3(signature = (snapshot, *, policy = None, human = None))]
     fn resume(
@@ -278,20 +291,30 @@ impl Episode {
         Self::resumed(py, snapshot, Own::of(policy, human)?)
     }
 
-    /// Takes one step.
+    /// Takes one planning step; returns the outcome once the episode has ended, else None.
     fn step(&self, py: Python<'_>) -> PyResult<Option<&'static str>> {
         Ok(self.advance(py, 1)?.map(Outcome::name))
     }
 
+    /// Runs to the end, or so many steps, without Python's lock; returns the summary. Ctrl-C stops it.
     #[pyo3(signature = (steps = None))]
-    fn run<'py>(&self, py: Python<'py>, steps: Option<u64>) -> PyResult<Bound<'py, PyDict>> {
+    fn run<'py>(
+        &self,
+        py: Python<'py>,
+        #[pyo3(from_py_with = arguments::steps)] steps: Option<u64>,
+    ) -> PyResult<Bound<'py, PyDict>> {
         self.run_steps(py, steps, || Ok(()), false)?;
         self.summary(py)
     }
 
-    /// Runs on, and returns every tick as a row.
+    /// Runs on as ``run`` does; returns a row for every tick. Columns of options and joints are
+    /// ``key[name]``.
     #[pyo3(signature = (steps = None))]
-    fn ticks(&self, py: Python<'_>, steps: Option<u64>) -> PyResult<Table> {
+    fn ticks(
+        &self,
+        py: Python<'_>,
+        #[pyo3(from_py_with = arguments::steps)] steps: Option<u64>,
+    ) -> PyResult<Table> {
         let mut records = Vec::new();
         let each = || {
             records.push(self.tick_record(py)?);
@@ -301,11 +324,14 @@ impl Episode {
         Ok(Table::of_ticks(&records))
     }
 
+    /// The quantities of the last step, as ``quantities("tick")`` has them; missing values are None.
     #[getter]
     fn tick<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         value::record(py, self.tick_record(py)?)
     }
 
+    /// The figures of the episode so far, as ``quantities("episode")`` has them; missing values are None.
+    ///
     #[getter]
     fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let record =
@@ -313,7 +339,9 @@ impl Episode {
         value::record(py, record)
     }
 
-    /// The belief over this human, as of now; `None` if the robot does not learn.
+    /// The belief over this human as of now, as ``/learned`` of a recording has it: means, variances,
+    /// covariance and 95 % intervals of alpha, gamma and eta, information (nats), densities. None without
+    /// ``belief_update="learn"``.
     #[getter]
     fn learned<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let record =
@@ -343,45 +371,60 @@ impl Episode {
         }
     }
 
+    /// The scenario.
     #[getter]
     fn scenario(&self, py: Python<'_>) -> Py<Scenario> {
         self.scenario.clone_ref(py)
     }
 
+    /// The custom policy; None with the scenario's.
     #[getter]
     fn policy(&self, py: Python<'_>) -> Option<Py<PyAny>> {
-        self.own.policy.as_ref().map(|object| object.clone_ref(py))
+        self.own.policy.as_ref().and_then(|held| held.get(py).ok())
     }
 
+    /// The custom human; None with the scenario's.
     #[getter]
     fn human(&self, py: Python<'_>) -> Option<Py<PyAny>> {
-        self.own.human.as_ref().map(|object| object.clone_ref(py))
+        self.own.human.as_ref().and_then(|held| held.get(py).ok())
     }
 
+    /// Steps taken.
     #[getter]
     fn steps(&self, py: Python<'_>) -> PyResult<u64> {
         self.with(py, |_, running| running.episode.summary().steps)
     }
 
+    /// How the episode ended; None while it runs.
     #[getter]
     fn outcome(&self, py: Python<'_>) -> PyResult<Option<&'static str>> {
         Ok(self.with(py, |_, running| running.outcome)?.map(Outcome::name))
     }
 
-    /// Position of the team, m.
+    /// Position of the team, (2,), m.
     #[getter]
     fn position<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let position = self.with(py, |_, running| running.episode.position())?;
         Ok(PyArray1::from_slice(py, position.coords.as_slice()))
     }
 
+    /// The state as the bytes of a snapshot file.
     fn snapshot<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let bytes = self.with(py, |prepared, running| prepared.snapshot(&running.episode).bytes())?;
         Ok(PyBytes::new(py, &bytes.map_err(|error| raise::<SnapshotError>(&error))?))
     }
 
+    /// Records the steps into an MCAP file, from before the first step until the end or ``close``; returns
+    /// itself.
+    ///
+    /// Raises RecordingError: the file exists or cannot be written, or the episode has begun.
     #[pyo3(signature = (file, *, overwrite = false))]
-    fn record(slf: Py<Self>, py: Python<'_>, file: PathBuf, overwrite: bool) -> PyResult<Py<Self>> {
+    fn record(
+        slf: Py<Self>,
+        py: Python<'_>,
+        #[pyo3(from_py_with = arguments::file)] file: PathBuf,
+        #[pyo3(from_py_with = arguments::overwrite)] overwrite: bool,
+    ) -> PyResult<Py<Self>> {
         let log = slf.get().own.log(py, &slf.get().fault);
         let begun = slf.get().with(py, |prepared, running| {
             if running.episode.summary().steps > 0 || running.recorder.is_some() {
@@ -399,13 +442,16 @@ impl Episode {
         }
     }
 
-    /// The recording of the episode so far, as the bytes of an MCAP file.
+    /// The recording of the episode so far (MCAP). Runs it again from its start, with copies of custom
+    /// partners.
     fn recording<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         Ok(PyBytes::new(py, &self.recorded(py)?))
     }
 
+    /// The 3-D player of the episode so far, as one page. Runs the episode again, as ``recording`` does.
+    ///
     #[pyo3(signature = (title = "episode"))]
-    fn to_html(&self, py: Python<'_>, title: &str) -> PyResult<String> {
+    fn to_html(&self, py: Python<'_>, #[pyo3(from_py_with = arguments::title)] title: &str) -> PyResult<String> {
         self.page(py, title)
     }
 
@@ -416,7 +462,7 @@ impl Episode {
         Ok(Some(framed(&self.page(py, "episode")?)))
     }
 
-    /// Ends the episode, and finishes its recording.
+    /// Ends the episode and finishes its recording.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
         let Ok(mut cell) = self.cell.try_lock() else {
             return Err(ClosedError::new_err(
@@ -460,13 +506,9 @@ impl Episode {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
         let (py, this) = (slf.py(), slf.get());
         this.check_not_recording(py)?;
-        let parts = (
-            this.snapshot(py)?,
-            this.policy(py),
-            this.human(py),
-            &this.pristine.policy,
-            &this.pristine.human,
-        );
+        let first = |held: &Option<Held>| held.as_ref().and_then(|held| held.get(py).ok());
+        let Own { policy, human } = &this.pristine;
+        let parts = (this.snapshot(py)?, this.policy(py), this.human(py), first(policy), first(human));
         let rebuild = slf.get_type().getattr("_rebuild")?;
         Ok((rebuild, parts.into_pyobject(py)?.into_any()))
     }
@@ -480,8 +522,20 @@ impl Episode {
         first_policy: Option<Py<PyAny>>,
         first_human: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
-        let made = Self::resumed(py, snapshot, Own { policy, human })?;
-        Ok(Self { pristine: Own { policy: first_policy, human: first_human }, ..made })
+        let own = |policy: Option<Py<PyAny>>, human: Option<Py<PyAny>>| Own {
+            policy: policy.map(Held::new),
+            human: human.map(Held::new),
+        };
+        let made = Self::resumed(py, snapshot, own(policy, human))?;
+        Ok(Self { pristine: own(first_policy, first_human), ..made })
+    }
+
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        self.own.held().chain(self.pristine.held()).try_for_each(|held| held.traverse(&visit))
+    }
+
+    fn __clear__(&self) {
+        self.own.held().chain(self.pristine.held()).for_each(Held::clear);
     }
 
     fn __repr__(&self) -> String {

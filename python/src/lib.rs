@@ -1,6 +1,7 @@
 //! The native module of the Python package `cocarry`: thin classes over the library. The package's own Python
 //! files give it names, types and documentation.
 
+mod arguments;
 mod environments;
 mod episode;
 mod error;
@@ -25,7 +26,11 @@ use std::process::ExitCode;
 
 /// The Gumbel disturbances that the Boltzmann human of a seed draws, one for every option.
 #[pyfunction]
-fn gumbel(py: Python<'_>, seed: u64, options: usize) -> PyResult<Bound<'_, PyArray1<f64>>> {
+fn gumbel(
+    py: Python<'_>,
+    #[pyo3(from_py_with = arguments::seed)] seed: u64,
+    #[pyo3(from_py_with = arguments::options)] options: usize,
+) -> PyResult<Bound<'_, PyArray1<f64>>> {
     if options > 1_000_000 {
         return Err(error::Error::new_err(format!("options = {options}; it must be at most 1000000")));
     }
@@ -42,9 +47,12 @@ fn vocabulary<'py, G>(py: Python<'py>, quantities: &[Quantity<G>]) -> PyResult<B
     Ok(dict)
 }
 
-/// Every quantity of a tick, an option or an episode: its unit and its description.
+/// Every quantity of a ``"tick"``, an ``"option"`` or an ``"episode"``: its unit and its description.
 #[pyfunction]
-fn quantities<'py>(py: Python<'py>, of: &str) -> PyResult<Bound<'py, PyDict>> {
+fn quantities<'py>(
+    py: Python<'py>,
+    #[pyo3(from_py_with = arguments::of)] of: &str,
+) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     match of {
         "tick" => {

@@ -1,5 +1,6 @@
 //! Recordings: MCAP files of episodes.
 
+use crate::arguments;
 use crate::error::{RecordingError, guarded, raise};
 use crate::scenario::Scenario;
 use crate::table::Table;
@@ -15,7 +16,7 @@ use std::fs::File;
 use std::io::{BufReader, Cursor, Read};
 use std::path::PathBuf;
 
-/// A recording.
+/// A recording (MCAP). Shows itself as the 3-D player in a notebook.
 #[pyclass(frozen, module = "cocarry", name = "Recording")]
 pub struct Recording {
     file: PathBuf,
@@ -48,9 +49,12 @@ pub fn framed(page: &str) -> String {
     )
 }
 
-/// Opens a recording, and reads it once to its end.
+/// Opens a recording (MCAP). Raises RecordingError with the file, the place and what would be right.
 #[pyfunction]
-pub fn read(py: Python<'_>, file: PathBuf) -> PyResult<Recording> {
+pub fn read(
+    py: Python<'_>,
+    #[pyo3(from_py_with = arguments::file)] file: PathBuf,
+) -> PyResult<Recording> {
     let contents = py.detach(|| Contents::read(&mut Reader::open(&file)?));
     Ok(Recording { contents: contents.map_err(|error| refused(&error))?, file })
 }
@@ -61,7 +65,7 @@ pub fn player(py: Python<'_>, recording: &[u8], title: &str) -> PyResult<String>
     py.detach(|| page(Cursor::new(recording), "the episode", title))
 }
 
-/// The last picture of a recording's bytes: (height, width, 3), uint8.
+/// The last picture of a recording's bytes, (height, width, 3).
 #[pyfunction]
 pub fn picture<'py>(py: Python<'py>, recording: &[u8], width: u32) -> PyResult<Bound<'py, PyArray3<u8>>> {
     let drawn = py.detach(|| {
@@ -76,6 +80,7 @@ pub fn picture<'py>(py: Python<'py>, recording: &[u8], width: u32) -> PyResult<B
 
 #[pymethods]
 impl Recording {
+    /// Its origin: crate_version, arithmetic (its stamp), seed, world, plant and method, by key.
     #[getter]
     fn provenance(&self) -> BTreeMap<String, String> {
         self.contents.provenance.clone()
@@ -93,12 +98,13 @@ impl Recording {
         self.contents.outcome.as_ref().map(|outcome| value::json_to_python(py, outcome)).transpose()
     }
 
+    /// The scenario.
     #[getter]
     fn scenario(&self) -> PyResult<Scenario> {
         recording::scenario(&mut self.open()?).map(Scenario::of).map_err(|error| refused(&error))
     }
 
-    /// The messages on a topic, one a row.
+    /// The messages on a topic, one a row, after their simulated time (s). Raises RecordingError.
     fn table(&self, py: Python<'_>, topic: &str) -> PyResult<Table> {
         let (mut first, mut second) = (self.open()?, self.open()?);
         let read = py.detach(|| {
@@ -114,7 +120,9 @@ impl Recording {
         read.map_err(|error| refused(&error))
     }
 
-    /// Runs the scenario again and compares every message.
+    /// Runs the scenario again and compares every message: verdict, same_messages, difference.
+    ///
+    /// The decisions of custom partners are repeated from the recording's log.
     fn replay<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (first, second) = (self.open()?, self.open()?);
         let replay = py.detach(|| guarded(|| recording::replay(first, second)))?;
@@ -131,6 +139,7 @@ impl Recording {
         Ok(dict)
     }
 
+    /// The 3-D player, as one page.
     #[pyo3(signature = (title = None))]
     fn to_html(&self, py: Python<'_>, title: Option<&str>) -> PyResult<String> {
         let name = self.file.display().to_string();

@@ -1,13 +1,20 @@
 //! Robots.
 
+use crate::arguments;
 use crate::error::{RobotError, raise};
 use crate::value::repr;
 use cocarry::robot;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// A mobile manipulator.
+/// The name of the built-in robot.
+const BUILT_IN: &str = "carrier";
+
+/// A mobile manipulator: a wheeled base with an arm.
+///
+/// Reads a robot file (TOML) with its URDF, or takes the built-in robot. A xacro is refused, unless ``xacro`` is
+/// set: then the program ``xacro`` expands it, which runs code that is in the file. Raises RobotError.
 #[pyclass(frozen, module = "cocarry", name = "Robot")]
 pub struct Robot {
     pub robot: robot::Robot,
@@ -17,23 +24,23 @@ pub struct Robot {
 impl Robot {
     #[new]
     #[pyo3(signature = (file = None, *, xacro = false))]
-    fn new(py: Python<'_>, file: Option<PathBuf>, xacro: bool) -> PyResult<Self> {
-        let expand: Option<&robot::Expand> = xacro.then_some(&cocarry_program::xacro::expand);
+    fn new(
+        py: Python<'_>,
+        file: Option<&Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = arguments::xacro)] xacro: bool,
+    ) -> PyResult<Self> {
+        let file = file.map(|given| path_of("file", given)).transpose()?;
         // the program `xacro` may take a while
-        let robot = py.detach(|| match file {
-            None => robot::Robot::built_in(),
-            Some(file) => {
-                robot::Robot::check_expanded(&file, expand).map_err(|mut faults| faults.swap_remove(0))
-            }
-        });
-        Ok(Self { robot: robot.map_err(|e| raise::<RobotError>(&e))? })
+        py.detach(|| load_robot(file.as_deref(), xacro)).map(|robot| Self { robot })
     }
 
+    /// Name.
     #[getter]
     fn name(&self) -> &str {
         &self.robot.name
     }
 
+    /// The names of the joints of its arm, from the base on.
     #[getter]
     fn joints(&self) -> Vec<String> {
         self.robot.joints.iter().map(|joint| joint.name.clone()).collect()
@@ -45,18 +52,20 @@ impl Robot {
         self.robot.drive.kind.name()
     }
 
+    /// The names of its starting postures.
     #[getter]
     fn postures(&self) -> Vec<String> {
         self.robot.postures.iter().map(|posture| posture.name.clone()).collect()
     }
 
-    /// The limits of u: the base's inputs, then joint rates (rad/s or m/s).
+    /// The largest |u|, (base + joints,): rim speeds (m/s), or of an omnidirectional base speed ahead and to the left
+    /// (m/s) and turning rate (rad/s); then joint rates (rad/s, prismatic m/s).
     #[getter]
     fn input_limits<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_vec(py, input_limits(&self.robot))
     }
 
-    /// The limits of the joints, (n, 2), rad or m.
+    /// The limits of the joints, (joints, 2), rad or m.
     #[getter]
     fn joint_limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let limits: Vec<_> = self.robot.joints.iter().map(|joint| vec![joint.lower, joint.upper]).collect();
@@ -74,17 +83,38 @@ pub fn input_limits(robot: &robot::Robot) -> Vec<f64> {
     robot.input_limits().as_slice()[..inputs].to_vec()
 }
 
+/// The built-in robot, by its name or without one, or the robot in a file.
+fn load_robot(file: Option<&Path>, xacro: bool) -> PyResult<robot::Robot> {
+    let expand: Option<&robot::Expand> = xacro.then_some(&cocarry_program::xacro::expand);
+    let found = match file {
+        None => robot::Robot::built_in(),
+        Some(name) if name == Path::new(BUILT_IN) && !name.is_file() => robot::Robot::built_in(),
+        Some(file) => match cocarry_program::robot_to_export(file) {
+            Some(name) => {
+                return Err(RobotError::new_err(format!(
+                    "{name}: not a file; `cocarry export {name}` writes the files of this robot, then use {name}.toml"
+                )));
+            }
+            None => robot::Robot::check_expanded(file, expand).map_err(|mut faults| faults.swap_remove(0)),
+        },
+    };
+    found.map_err(|error| raise::<RobotError>(&error))
+}
+
+fn path_of(key: &str, given: &Bound<'_, PyAny>) -> PyResult<PathBuf> {
+    given.extract().map_err(|_| {
+        let given = repr(given);
+        RobotError::new_err(format!(
+            "{key} = {given}; it must be a robot file, \"{BUILT_IN}\" (the built-in robot) or a cocarry.Robot"
+        ))
+    })
+}
+
 /// The robot of an argument: a file or a robot; the built-in one without it.
 pub fn robot_of(given: Option<&Bound<'_, PyAny>>) -> PyResult<robot::Robot> {
-    let Some(given) = given else { return robot::Robot::built_in().map_err(|e| raise::<RobotError>(&e)) };
+    let Some(given) = given else { return load_robot(None, false) };
     if let Ok(robot) = given.cast::<Robot>() {
         return Ok(robot.get().robot.clone());
     }
-    match given.extract::<PathBuf>() {
-        Ok(path) => robot::Robot::load(&path).map_err(|e| raise::<RobotError>(&e)),
-        Err(_) => Err(RobotError::new_err(format!(
-            "robot = {}; it must be a robot file or a cocarry.Robot",
-            repr(given)
-        ))),
-    }
+    load_robot(Some(&path_of("robot", given)?), false)
 }

@@ -1,5 +1,6 @@
 //! Scenarios.
 
+use crate::arguments;
 use crate::error::{ScenarioError, WorldError, raise};
 use crate::robot::{Robot, robot_of};
 use crate::value::repr;
@@ -18,7 +19,22 @@ use pyo3::types::{PyBool, PyDict, PyString};
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
-/// The complete definition of an episode.
+/// The complete definition of an episode: the same scenario gives the same episode, bit for bit.
+/// Immutable.
+///
+/// A scenario with the defaults of ``cocarry run``.
+///
+/// world: a world file, a built-in world (default environment-4) or a World.
+/// plant: what the controller moves: the planning level alone, exact kinematics, or bodies with dynamics.
+/// seed: of the human, of the human's preference changes, and of the gait.
+/// alpha, gamma: the human's perception of distance and risk; drawn from the belief if not given.
+/// changes: (step, alpha, gamma): preference changes. preference_changes: their number, drawn from the
+///     seed.
+/// belief_alpha, belief_gamma: the robot's belief: uniform(LOWER,UPPER) or normal(MEAN,STD,LOWER,UPPER).
+/// belief_samples: the belief as samples, (n, 2) alpha and gamma, or (n, 3) with weights.
+/// robot: a robot file or a Robot. settings: see cocarry.settings().
+///
+/// Raises ScenarioError with the key, the value and the values allowed; WorldError; RobotError.
 #[pyclass(frozen, module = "cocarry", name = "Scenario")]
 pub struct Scenario {
     scenario: scenario::Scenario,
@@ -104,20 +120,22 @@ fn perception(key: &str, given: Option<f64>) -> PyResult<Option<f64>> {
 }
 
 /// The robot's belief of the arguments.
-pub fn belief_of(alpha: &str, gamma: &str, samples: Option<PyReadonlyArray2<'_, f64>>) -> PyResult<Belief> {
+pub fn belief_of(alpha: &str, gamma: &str, samples: Option<&Bound<'_, PyAny>>) -> PyResult<Belief> {
     let Some(samples) = samples else {
         let (alpha, gamma) = (marginal("belief_alpha", alpha)?, marginal("belief_gamma", gamma)?);
         return Ok(Belief::Independent { alpha, gamma });
     };
-    let samples = samples.as_array();
+    let expected = "an array of shape (n, 2) or (n, 3): alpha, gamma and the weight";
+    // lists and other numbers too
+    let rows = samples.py().import("numpy")?.call_method1("asarray", (samples, "float64"));
+    let Ok(rows) = rows.and_then(|rows| Ok(rows.extract::<PyReadonlyArray2<'_, f64>>()?)) else {
+        return Err(refused("belief_samples", repr(samples), expected));
+    };
+    let samples = rows.as_array();
     let columns = samples.ncols();
     if columns != 2 && columns != 3 {
         let shape = format!("an array of shape {:?}", samples.shape());
-        return Err(refused(
-            "belief_samples",
-            shape,
-            "an array of shape (n, 2) or (n, 3): alpha, gamma and the weight",
-        ));
+        return Err(refused("belief_samples", shape, expected));
     }
     let sample = |row: numpy::ndarray::ArrayView1<'_, f64>| WeightedSample {
         perception: Perception { alpha: row[0], gamma: row[1] },
@@ -155,15 +173,15 @@ impl Scenario {
     #[allow(clippy::too_many_arguments, reason = "keywords")]
     fn new(
         world: Option<&Bound<'_, PyAny>>,
-        plant: &str,
-        seed: u64,
-        alpha: Option<f64>,
-        gamma: Option<f64>,
-        changes: Option<Vec<Change>>,
+        #[pyo3(from_py_with = arguments::plant)] plant: &str,
+        #[pyo3(from_py_with = arguments::seed)] seed: u64,
+        #[pyo3(from_py_with = arguments::given_alpha)] alpha: Option<f64>,
+        #[pyo3(from_py_with = arguments::given_gamma)] gamma: Option<f64>,
+        #[pyo3(from_py_with = arguments::changes)] changes: Option<Vec<Change>>,
         preference_changes: Option<&Bound<'_, PyAny>>,
-        belief_alpha: &str,
-        belief_gamma: &str,
-        belief_samples: Option<PyReadonlyArray2<'_, f64>>,
+        #[pyo3(from_py_with = arguments::belief_alpha)] belief_alpha: &str,
+        #[pyo3(from_py_with = arguments::belief_gamma)] belief_gamma: &str,
+        belief_samples: Option<&Bound<'_, PyAny>>,
         robot: Option<&Bound<'_, PyAny>>,
         settings: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
@@ -215,22 +233,25 @@ impl Scenario {
         Ok(Self::of(made))
     }
 
+    /// Reads a scenario's text (TOML).
     #[staticmethod]
-    fn parse(text: &str) -> PyResult<Self> {
+    fn parse(#[pyo3(from_py_with = arguments::contents)] text: &str) -> PyResult<Self> {
         scenario::Scenario::parse(text).map(Self::of).map_err(|e| raise::<ScenarioError>(&e))
     }
 
+    /// The scenario as text (TOML), exact to the last bit.
     #[getter]
     fn text(&self) -> PyResult<String> {
         self.scenario.text().map_err(|e| raise::<ScenarioError>(&e))
     }
 
+    /// The same scenario with other values. A new seed does not draw another human.
     #[pyo3(signature = (*, seed = None, alpha = None, gamma = None, **settings))]
     fn replace(
         &self,
-        seed: Option<u64>,
-        alpha: Option<f64>,
-        gamma: Option<f64>,
+        #[pyo3(from_py_with = arguments::other_seed)] seed: Option<u64>,
+        #[pyo3(from_py_with = arguments::given_alpha)] alpha: Option<f64>,
+        #[pyo3(from_py_with = arguments::given_gamma)] gamma: Option<f64>,
         settings: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let mut made = self.scenario.clone();
@@ -242,42 +263,50 @@ impl Scenario {
         Ok(Self::of(made))
     }
 
+    /// The world.
     #[getter]
     fn world(&self, py: Python<'_>) -> PyResult<World> {
         Ok(World { world: self.prepared(py)?.world().clone() })
     }
 
+    /// The robot; None on the point plant.
     #[getter]
     fn robot(&self, py: Python<'_>) -> PyResult<Option<Robot>> {
         Ok(self.prepared(py)?.robot().map(|robot| Robot { robot: robot.clone() }))
     }
 
+    /// The plant.
     #[getter]
     fn plant(&self) -> &'static str {
         self.scenario.plant.name()
     }
 
+    /// The seed.
     #[getter]
     fn seed(&self) -> u64 {
         self.scenario.seed
     }
 
+    /// The human's alpha at the start.
     #[getter]
     fn alpha(&self) -> f64 {
         self.scenario.human.alpha
     }
 
+    /// The human's gamma at the start.
     #[getter]
     fn gamma(&self) -> f64 {
         self.scenario.human.gamma
     }
 
+    /// The preference changes: step, alpha, gamma.
     #[getter]
     fn changes(&self) -> Vec<Change> {
         let change = |c: &PreferenceChange| (c.step, c.perception.alpha, c.perception.gamma);
         self.scenario.changes.iter().map(change).collect()
     }
 
+    /// The names of the world's options.
     #[getter]
     fn options(&self, py: Python<'_>) -> PyResult<Vec<String>> {
         Ok(self.prepared(py)?.options().options().iter().map(|option| option.name.clone()).collect())
@@ -309,12 +338,22 @@ impl Scenario {
         format!("<cocarry.Scenario {:?}, {plant}, seed {seed}, alpha {alpha}, gamma {gamma}>", world.file())
     }
 
+    /// A scenario never changes.
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    #[pyo3(signature = (_memo = None))]
+    fn __deepcopy__(slf: Py<Self>, _memo: Option<&Bound<'_, PyAny>>) -> Py<Self> {
+        slf
+    }
+
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
         Ok((slf.get_type().getattr("parse")?, (slf.get().text()?,)))
     }
 }
 
-/// Every setting of an episode: key, kind, description, default, and the values allowed.
+/// Every setting of an episode: type, about, allowed values, default and words.
 #[pyfunction]
 pub fn settings<'py>(py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
     let defaults = scenario::Scenario::defaults();

@@ -1,7 +1,8 @@
 //! Sweeps: the episodes of a study on all threads.
 
+use crate::arguments;
 use crate::error::{StudyError, guarded, raise};
-use crate::partners::{Fault, Own};
+use crate::partners::{Fault, Held, Own};
 use crate::table::Table;
 use cocarry::episode::Episode;
 use cocarry::scenario::PreparedScenario;
@@ -93,7 +94,7 @@ impl EpisodeMaker for Maker<'_> {
     }
 }
 
-/// Runs the episodes of a study and returns a row for each, in the study's order.
+/// Runs the episodes of a study's text; see cocarry.sweep.
 #[pyfunction]
 #[pyo3(signature = (text, *, file, folder, seeds = None, shard = None, threads = None, policies = Vec::new(), humans = Vec::new(), out = None, ticks = None, overwrite = false, progress = None, table = true))]
 #[allow(clippy::too_many_arguments, reason = "keywords")]
@@ -102,9 +103,9 @@ pub fn sweep(
     text: &str,
     file: &str,
     folder: PathBuf,
-    seeds: Option<u64>,
-    shard: Option<(u64, u64)>,
-    threads: Option<usize>,
+    #[pyo3(from_py_with = arguments::number_of_seeds)] seeds: Option<u64>,
+    #[pyo3(from_py_with = arguments::shard)] shard: Option<(u64, u64)>,
+    #[pyo3(from_py_with = arguments::threads)] threads: Option<usize>,
     policies: Vec<GivenPartner>,
     humans: Vec<GivenPartner>,
     out: Option<PathBuf>,
@@ -200,7 +201,9 @@ pub fn study_episodes(
     study.map(|study| study.episodes()).map_err(|error| raise::<StudyError>(&error))
 }
 
-/// The lines of results of the episodes from `first` to before `end`.
+/// The lines of results of the episodes from ``first`` to before ``end``, as ``cocarry sweep`` writes them.
+///
+/// Raises StudyError.
 #[pyfunction]
 #[pyo3(signature = (text, *, file, folder, seeds, first, end, policies = Vec::new(), humans = Vec::new()))]
 #[allow(clippy::too_many_arguments, reason = "keywords")]
@@ -231,7 +234,9 @@ pub fn study_rows<'py>(
     Ok(PyBytes::new(py, &rows))
 }
 
-/// The results of a study whose episodes run elsewhere.
+/// The results of a study whose episodes run elsewhere: a file that grows in the order of episodes.
+///
+/// Raises StudyError, also if the file exists already, belongs to another study, or is written by another process.
 #[pyclass(module = "cocarry._cocarry")]
 pub struct Rows {
     study: Arc<Study>,
@@ -281,17 +286,18 @@ impl Rows {
         self.sweep().as_ref().map_or(all, Sweep::kept)
     }
 
+    /// The number of episodes.
     #[getter]
     fn episodes(&self) -> u64 {
         self.study.episodes()
     }
 
-    /// The files that the study reads, besides its own, relative to the file `path`.
+    /// The files that the study reads, if the study file is ``path``.
     fn files(&self, path: PathBuf) -> Vec<PathBuf> {
         self.study.files(&path).collect()
     }
 
-    /// Appends the lines of the next episodes, each checked.
+    /// Appends the lines of the next episodes. Raises StudyError if one is not the next, or damaged.
     fn append(&mut self, py: Python<'_>, rows: &[u8]) -> PyResult<()> {
         let Some(sweep) = self.sweep() else {
             return Err(StudyError::new_err("the results are complete"));
@@ -299,7 +305,9 @@ impl Rows {
         py.detach(|| sweep.append(rows)).map_err(|error| raise::<StudyError>(&error))
     }
 
-    /// Gives the results their name, and returns them as a table if it is wanted.
+    /// Runs the episodes that are missing, gives the file its name, and returns the rows if ``table``.
+    ///
+    /// Raises StudyError.
     fn finish(&mut self, py: Python<'_>, table: bool) -> PyResult<Option<Table>> {
         if self.is_custom && self.kept() < self.episodes() {
             return Err(StudyError::new_err(
@@ -322,7 +330,7 @@ fn read(py: Python<'_>, file: &Path) -> PyResult<Table> {
     Table::of_rows(columns)
 }
 
-/// The stamp of this machine's arithmetic.
+/// The stamp of this machine's arithmetic: a digest of a fixed list of results.
 #[pyfunction]
 pub fn arithmetic_stamp() -> &'static str {
     cocarry::arithmetic::stamp()

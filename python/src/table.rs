@@ -21,7 +21,9 @@ use std::sync::Arc;
 /// Rows shown in a notebook.
 const SHOWN: usize = 20;
 
-/// A table of columns.
+/// A table of rows. Opens without copies wherever Arrow data do: ``polars.DataFrame(table)``,
+/// ``pyarrow.table(table)``, ``pandas.DataFrame.from_arrow(table)`` (pandas 3). Shows its first rows in a
+/// notebook.
 #[pyclass(frozen, module = "cocarry", name = "Table")]
 pub struct Table {
     batch: RecordBatch,
@@ -176,6 +178,7 @@ impl Table {
 
 #[pymethods]
 impl Table {
+    /// The names of the columns, which end in their units.
     #[getter]
     fn columns(&self) -> Vec<String> {
         self.batch.schema().fields().iter().map(|field| field.name().clone()).collect()
@@ -213,7 +216,7 @@ impl Table {
         })
     }
 
-    /// All columns as numpy arrays.
+    /// All columns.
     fn to_numpy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
         for name in self.columns() {

@@ -1,5 +1,6 @@
 //! Worlds.
 
+use crate::arguments;
 use crate::error::{WorldError, raise};
 use crate::value::repr;
 use cocarry::geometry::Point;
@@ -12,7 +13,11 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
 
-/// A world: obstacles, openings, start and target.
+/// A world: obstacles, openings, start and target. Shows itself as its map in a notebook.
+///
+/// Reads a world file (TOML), or takes a built-in world: environment-1 to environment-4, or free-form.
+///
+/// Raises WorldError with the file, the line, the item and the numbers.
 #[pyclass(frozen, module = "cocarry", name = "World")]
 pub struct World {
     pub world: world::World,
@@ -26,26 +31,34 @@ pub fn load_world(path: &Path) -> PyResult<world::World> {
 #[pymethods]
 impl World {
     #[new]
-    #[pyo3(signature = (world = PathBuf::from("environment-4")))]
-    fn new(world: PathBuf) -> PyResult<Self> {
-        Ok(Self { world: load_world(&world)? })
+    #[pyo3(signature = (world = None))]
+    fn new(world: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        let world = world.map_or_else(|| load_world(Path::new("environment-4")), world_of)?;
+        Ok(Self { world })
     }
 
+    /// Reads the text of a world file; errors call it ``name``.
     #[staticmethod]
     #[pyo3(signature = (text, name = "world"))]
-    fn parse(text: &str, name: &str) -> PyResult<Self> {
+    fn parse(
+        #[pyo3(from_py_with = arguments::contents)] text: &str,
+        #[pyo3(from_py_with = arguments::name)] name: &str,
+    ) -> PyResult<Self> {
         world::World::parse(name, text).map(|world| Self { world }).map_err(|e| raise::<WorldError>(&e))
     }
 
-    /// The world of a map between two points.
+    /// Reads a map: an occupancy grid (the YAML of ROS's map_server, with a PGM or PNG image) or a floor
+    /// plan (GeoJSON, SVG). A and B are given in metres. ``text`` is the world with the map's outlines.
+    ///
+    /// Raises WorldError with the file and the value.
     #[staticmethod]
     #[pyo3(signature = (map, start, target, *, robot_width_m = None, tolerance_m = None))]
     fn from_map(
-        map: PathBuf,
-        start: [f64; 2],
-        target: [f64; 2],
-        robot_width_m: Option<f64>,
-        tolerance_m: Option<f64>,
+        #[pyo3(from_py_with = arguments::map)] map: PathBuf,
+        #[pyo3(from_py_with = arguments::start)] start: [f64; 2],
+        #[pyo3(from_py_with = arguments::target)] target: [f64; 2],
+        #[pyo3(from_py_with = arguments::robot_width)] robot_width_m: Option<f64>,
+        #[pyo3(from_py_with = arguments::tolerance)] tolerance_m: Option<f64>,
     ) -> PyResult<Self> {
         let [start, target] = [start, target].map(Point::from);
         let ends = Ends { start, target, robot_width: robot_width_m, tolerance: tolerance_m };
@@ -53,26 +66,31 @@ impl World {
         Ok(Self { world })
     }
 
+    /// Title.
     #[getter]
     fn name(&self) -> &str {
         &self.world.name
     }
 
+    /// Text of the file.
     #[getter]
     fn text(&self) -> &str {
         &self.world.text
     }
 
+    /// A, (2,), m.
     #[getter]
     fn start<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, self.world.start.coords.as_slice())
     }
 
+    /// B, (2,), m.
     #[getter]
     fn target<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, self.world.target.coords.as_slice())
     }
 
+    /// The corners of the smallest rectangle around everything, (2, 2), m.
     #[getter]
     fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let bounds = self.world.bounds();
@@ -80,9 +98,9 @@ impl World {
         Ok(PyArray2::from_vec2(py, &corners)?)
     }
 
-    /// The names of its options, with the risk weight c_r (m).
+    /// The names of its options: the openings in the order in which they are passed.
     #[pyo3(signature = (risk_weight_m = RISK_WEIGHT))]
-    fn options(&self, risk_weight_m: f64) -> PyResult<Vec<String>> {
+    fn options(&self, #[pyo3(from_py_with = arguments::risk_weight)] risk_weight_m: f64) -> PyResult<Vec<String>> {
         Ok(self.option_set(risk_weight_m)?.options().iter().map(|option| option.name.clone()).collect())
     }
 

@@ -37,4 +37,11 @@ def test_the_settings_are_written_from_the_table():
     import cocarry._settings
 
     written = pathlib.Path(cocarry._settings.__file__).read_text(encoding="utf-8")
-    assert written == cocarry._generate.text(), "run: python -m cocarry._generate python/cocarry/_settings.py"
+    assert written == cocarry._generate.text(), "run: python -m cocarry._generate python/cocarry"
+
+
+def test_the_stub_has_the_documentation_of_the_native_module():
+    import cocarry._generate
+
+    written = pathlib.Path(cocarry.__file__).with_name("_cocarry.pyi").read_text(encoding="utf-8")
+    assert written == cocarry._generate.stub(written), "run: python -m cocarry._generate python/cocarry"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 import warnings
 
 import numpy as np
@@ -76,3 +78,50 @@ def test_wrong_actions_say_what_would_be_right():
         with pytest.raises(cocarry.ActionError, match=message):
             environment.step(actions)
     environment.step(good)
+
+
+def test_the_state_is_what_the_human_sees():
+    environment = cocarry.pettingzoo.parallel_env()
+    seen, info = environment.reset(seed=0)
+    assert environment.state_space.contains(environment.state())
+    np.testing.assert_array_equal(environment.state(), seen["human"])
+    assert environment.state()[-2:].tolist() == [info["human"]["alpha"], info["human"]["gamma"]]
+    seen = environment.step({"robot": 0, "human": np.array([0, 0])})[0]
+    np.testing.assert_array_equal(environment.state(), seen["human"])
+    turns = cocarry.pettingzoo.env()
+    turns.reset(seed=0)
+    assert turns.state().shape == environment.state_space.shape
+
+
+def test_actions_that_a_world_does_not_have_are_masked():
+    environment = cocarry.pettingzoo.parallel_env(worlds=["environment-4", "free-form"])
+    for world in ("environment-4", "free-form"):
+        count = len(cocarry.World(world).options())
+        _, infos = environment.reset(seed=0, options={"world": world})
+        for _ in range(2):
+            robot, human = (infos[agent]["action_mask"] for agent in ("robot", "human"))
+            assert robot.sum() == count + 1 and robot[-1] == 1 and human[0].sum() == count and human[1].tolist() == [1, 1, 1]
+            masks = {"robot": robot, "human": human}
+            actions = {agent: environment.action_space(agent).sample(masks[agent]) for agent in environment.agents}
+            infos = environment.step(actions)[4]
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda it: pickle.loads(pickle.dumps(it))])
+def test_copies_in_mid_episode_go_on_with_the_same_bits(copied):
+    environment = cocarry.pettingzoo.parallel_env()
+    environment.reset(seed=1)
+    act = lambda step: {"robot": step % 5, "human": np.array([step % 4, step // 7 % 3])}  # noqa: E731
+    for step in range(9):
+        environment.step(act(step))
+    other = copied(environment)
+    for step in range(9, 60):
+        one, two = environment.step(act(step)), other.step(act(step))
+        for agent in ("robot", "human"):
+            assert one[0][agent].tobytes() == two[0][agent].tobytes()
+        assert one[1:4] == two[1:4]
+    turns = cocarry.pettingzoo.env()
+    turns.reset(seed=2)
+    turns.step(0)
+    again = copied(turns)
+    turns.step(np.array([0, 0])), again.step(np.array([0, 0]))
+    np.testing.assert_array_equal(turns.observe("robot"), again.observe("robot"))

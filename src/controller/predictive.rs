@@ -12,7 +12,7 @@ use crate::plant::{Command, Preparation, Seen};
 use crate::policy::Motion;
 use crate::preference::ChoiceDistribution;
 use crate::robot::{
-    BaseInput, Configuration, InputJacobian, InputVector, JointVector, Kinematics, pose_difference,
+    BaseInput, Configuration, InputJacobian, InputVector, JointVector, Kinematics, Robot, pose_difference,
 };
 use crate::saved::{RestoreError, Saved};
 use crate::team::Pace;
@@ -204,6 +204,23 @@ impl<'a> Predictive<'a> {
     }
 }
 
+/// `input` with a residual added, so that neither it nor the residual takes its sum with `rates` beyond the limits
+/// that it kept. A residual of 0 changes no bit.
+fn with_residual(
+    robot: &Robot,
+    rates: &InputVector,
+    mut input: InputVector,
+    residual: &InputVector,
+) -> InputVector {
+    let limits = robot.input_limits();
+    for (i, added) in residual.iter().enumerate().filter(|(_, added)| **added != 0.0) {
+        let total = rates[i] + input[i];
+        let bounded = (total + added).clamp(total.min(-limits[i]), total.max(limits[i]));
+        input[i] = bounded - rates[i];
+    }
+    input
+}
+
 impl Controller for Predictive<'_> {
     fn command(&mut self, seen: &Seen<'_>, way: &Way<'_>, belief: &ChoiceDistribution) -> Command {
         let Some(q) = seen.configuration else { return Command::none() };
@@ -240,10 +257,14 @@ impl Controller for Predictive<'_> {
         let from = choice.map_or_else(|| Candidate::at_rest(q, &at), |choice| choice.candidate);
         let Tracked { plan, input_matrix } = self.track(&from, base.as_ref(), follows, &at.grasp);
         self.target = from.configuration;
+        let input = plan.inputs.column(0).into_owned();
         Command {
             target: from.configuration,
             rates: from.rates,
-            input: plan.inputs.column(0).into_owned(),
+            input: match way.motion {
+                Motion::Residual(residual) => with_residual(robot, &from.rates, input, residual),
+                _ => input,
+            },
             outcome: plan.outcome,
             input_matrix,
             preparation: choice.map(|choice| Preparation {

@@ -6,7 +6,8 @@ use super::step::Begun;
 use super::{Episode, Tick};
 use crate::controller::Way;
 use crate::geometry::Point;
-use crate::policy::Decision;
+use crate::plant::Command;
+use crate::policy::{Decision, Motion};
 use crate::preference::subjective_cost;
 use crate::team::Step;
 
@@ -131,6 +132,34 @@ impl Episode<'_> {
         self.memory = (evaluated, predicted);
     }
 
+    /// The command that the controller, eqs. (8) and (7), would give in the first control period of a step that
+    /// has [begun](Episode::begin_step), if the policy decided who leads and moved nothing itself; `None` between
+    /// steps and without a robot. The episode stays as it is.
+    pub fn controllers_command(&self) -> Option<Command> {
+        self.begun.as_ref().and(self.manipulator)?;
+        let mut copy = self.clone();
+        let lead = copy.ask_policy().with_motion(Motion::Controlled);
+        copy.lead_step(&lead);
+        let Carried { begun, lead, periods, .. } = copy.carried.take()?;
+        Some(copy.command(&begun, &lead, periods))
+    }
+
+    /// The controller's command in a control period.
+    fn command(&mut self, begun: &Begun, lead: &Decision, period: [u32; 2]) -> Command {
+        let way = Way {
+            mode: lead.mode(),
+            motion: &lead.motion,
+            options: self.options,
+            progress: &self.progress,
+            path: &self.route.path,
+            along: self.route.along,
+            travel: self.route.travel,
+            walk: self.walk.as_ref(),
+            period,
+        };
+        self.controller.command(&self.plant.observe(), &way, &begun.predicted.robots().choice)
+    }
+
     /// Moves everybody by one control period: first the controller's command, then the human, then the plant.
     /// Returns how far the team came along the path, m, and the robot's part of the tick, if there is a robot.
     /// `period`: as [`Episode::periods`].
@@ -143,22 +172,10 @@ impl Episode<'_> {
         let (mode, stance) = (lead.mode(), begun.human.stance);
         let to = self.to(mode, stance);
         let (position, hand) = (self.point_at(to), self.hand(&begun.human, period));
-        let (options, progress) = (self.options, &self.progress);
+        let command = self.command(begun, lead, period);
         let (path, from, travel) = (&self.route.path, self.route.along, self.route.travel);
         let step = Step { mode, travel, stance, hand, path, from, to, position };
         let seen = self.plant.observe();
-        let way = Way {
-            mode,
-            motion: &lead.motion,
-            options,
-            progress,
-            path,
-            along: from,
-            travel,
-            walk: self.walk.as_ref(),
-            period,
-        };
-        let command = self.controller.command(&seen, &way, &begun.predicted.robots().choice);
         let goal = self.walk.grasp_goal(&seen);
         let begin = seen.configuration.map(|configuration| (*configuration, goal));
         let human = self.walk.advance(&step, &seen);

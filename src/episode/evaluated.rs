@@ -6,6 +6,7 @@ use crate::coordination::{Mode, OptionCost, OptionTick, is_misaligned};
 use crate::learning::Learner;
 use crate::options::{OptionSet, Progress, Remaining, Waypoint};
 use crate::preference::{ChoiceDistribution, Predictor, Prospect, Ways, objective_cost};
+use serde::{Deserialize, Serialize};
 
 /// The length (m) at which predictions cap an option, also one without a path. It is far beyond what a human
 /// would choose.
@@ -64,7 +65,7 @@ impl Evaluated {
 }
 
 /// The prediction of a distribution of (alpha, gamma) for the options.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Prediction {
     /// P_o; empty where it was not asked.
     pub choice: ChoiceDistribution,
@@ -91,6 +92,12 @@ enum By<'p> {
 }
 
 impl Prediction {
+    /// Whether it has as many numbers as another one.
+    pub fn is_like(&self, other: &Self) -> bool {
+        let numbers = |it: &Self| [it.choice.len(), it.options.len(), it.expected.len()];
+        numbers(self) == numbers(other)
+    }
+
     /// The prediction for these options. `memory` is used again.
     fn of(evaluated: &Evaluated, mut by: By, asked: Asked, memory: Self) -> Self {
         let Self { mut choice, mut options, mut expected } = memory;

@@ -1,5 +1,7 @@
 //! The state of a running episode as plain data. With the same inputs it continues with the same bits.
 
+use super::evaluated::{Evaluated, Predicted, Prediction};
+use super::step::Begun;
 use super::{Episode, Summary, Tick};
 use crate::human::HumanDecision;
 use crate::learning;
@@ -25,6 +27,19 @@ pub struct State {
     steps_without_progress: u32,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     learned: Option<Learned>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    begun: Option<BegunState>,
+}
+
+/// A step that has begun: the human has decided, and the robot's policy has not. The rest follows from where
+/// the team is.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct BegunState {
+    human: HumanDecision,
+    stubbornness: f64,
+    /// By what the robot had learned before the human's response.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    learned: Option<Prediction>,
 }
 
 /// The part of the state that only a robot that learns has.
@@ -62,7 +77,7 @@ fn fnv_1a(bytes: &[u8]) -> u64 {
 }
 
 impl Episode<'_> {
-    /// The present state.
+    /// The present state, between steps or once a step has [begun](Episode::begin_step).
     pub fn state(&self) -> State {
         #[rustfmt::skip]
         let Self {
@@ -71,8 +86,9 @@ impl Episode<'_> {
             options: _, settings: _, manipulator: _, tick_limit: _, ignores_loss: _,
             // memory that every step fills again
             predictor: _, memory: _, body_poses: _, hand_from: _, hands: _,
-            // of a step that is not whole
-            begun: _, carried: _,
+            // of a step that is carried out
+            carried: _,
+            begun,
             // for a robot that learns
             learner, prospects, ways, decided,
         } = self;
@@ -94,6 +110,11 @@ impl Episode<'_> {
             summary: summary.clone(),
             steps_without_progress: *steps_without_progress,
             learned,
+            begun: begun.as_ref().map(|begun| BegunState {
+                human: begun.human,
+                stubbornness: begun.stubbornness,
+                learned: begun.predicted.learned.clone(),
+            }),
         }
     }
 
@@ -135,8 +156,31 @@ impl Episode<'_> {
         self.plant.restore(&state.plant)?;
         self.walk.restore(&state.walk)?;
         self.controller.restore(&state.controller)?;
-        let State { progress, route, tick, summary, steps_without_progress, .. } = state;
-        Ok(Self { progress, route, tick, summary, steps_without_progress, ..self })
+        let State { progress, route, tick, summary, steps_without_progress, begun, .. } = state;
+        let resumed = Self { progress, route, tick, summary, steps_without_progress, ..self };
+        match begun {
+            None => Ok(resumed),
+            Some(begun) => resumed.with_begun(begun),
+        }
+    }
+
+    /// The same episode in a step that has begun.
+    fn with_begun(mut self, begun: BegunState) -> Result<Self, RestoreError> {
+        let BegunState { human, stubbornness, learned } = begun;
+        let now = self.now();
+        let evaluated = self.evaluate(now, Evaluated::default());
+        let mut predicted = self.predict(now, &evaluated, Predicted::default());
+        let belongs = match (&predicted.learned, &learned) {
+            (None, None) => true,
+            (Some(one), Some(other)) => one.is_like(other),
+            _ => false,
+        };
+        if !belongs || human.option >= evaluated.prospects.len() {
+            return Err(RestoreError { part: "step" });
+        }
+        predicted.learned = learned;
+        self.begun = Some(Begun { evaluated, predicted, human, stubbornness });
+        Ok(self)
     }
 }
 

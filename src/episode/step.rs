@@ -36,7 +36,7 @@ impl Episode<'_> {
 
     /// Takes the first part of a step, up to the human's decision. Then the policy, or a caller in its place,
     /// decides by [`Episode::robot_view`]. Returns the outcome once the episode has ended. Does nothing if
-    /// the step has begun. [`Episode::state`] is valid between whole steps only.
+    /// the step has begun.
     pub fn begin_step(&mut self) -> Option<Outcome> {
         if self.begun.is_some() || self.carried.is_some() {
             return None;

@@ -143,6 +143,9 @@ pub enum Motion {
     Reference([PlanarPose; HORIZON]),
     /// The policy's inputs u: the base's inputs, then joint rates, rad/s (prismatic: m/s).
     Inputs(#[serde(with = "without_last")] InputVector),
+    /// Eq. (8) and (7), with these inputs added to u. The sum with the rates of eq. (8) stays within the
+    /// robot's limits, or, where eq. (8) alone exceeds them, does not exceed them further.
+    Residual(#[serde(with = "without_last")] InputVector),
 }
 
 impl Decision {

@@ -1,13 +1,13 @@
 //! A probability for every option: non-negative, summing to one.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The probabilities `P_o` (eq. 4) that each option is the one the human prefers.
 ///
 /// Invariant: every entry is non-negative and they sum to 1 up to rounding; without options there are no
 /// entries. It is also a buffer: [`Predictor::predict`](super::Predictor::predict) refills it without
 /// allocation.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct ChoiceDistribution {
     probabilities: Vec<f64>,

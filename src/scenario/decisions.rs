@@ -139,7 +139,7 @@ impl Decisions {
             Motion::Reference(poses) => {
                 poses.iter().all(|pose| is_near(&pose.position) && is_bounded(&pose.yaw))
             }
-            Motion::Inputs(u) => u.iter().all(is_bounded),
+            Motion::Inputs(u) | Motion::Residual(u) => u.iter().all(is_bounded),
         });
         let targets = self.human_decisions().filter_map(|decision| decision.hand.as_ref());
         let mut targets = targets.chain(self.hands.values().flatten().flatten());

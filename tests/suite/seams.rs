@@ -127,6 +127,50 @@ fn a_policy_may_set_the_reference_or_the_inputs() {
     assert!(tracked.position_error > 0.3, "the human walks on: {}", tracked.position_error);
 }
 
+/// Eq. (6), with what it adds to the inputs of the built-in controller.
+#[derive(Clone, Debug)]
+struct Adds(InputVector);
+
+impl RobotPolicy for Adds {
+    fn decide(&mut self, view: &RobotView<'_>) -> Decision {
+        OwnPolicy.decide(view).with_motion(Motion::Residual(self.0))
+    }
+}
+
+#[test]
+fn a_residual_is_added_to_the_built_in_controller_within_the_limits() {
+    for plant in [
+        scenario::Plant::Kinematic { setup: setup() },
+        scenario::Plant::Rapier { setup: setup(), physics: PhysicsSettings::default() },
+    ] {
+        let name = plant.name();
+        let prepared = prepared(plant, "preference");
+        let builder = || prepared.builder().unwrap_or_else(|e| panic!("{e}"));
+        let of = |added: InputVector| builder().with_policy(Adds(added)).begin().expect("room");
+        assert!(ticks(of(InputVector::zeros())) == ticks(builder().begin().expect("room")), "{name}: nothing added");
+
+        let (mut small, mut built_in) = (of(InputVector::repeat(1e-3)), builder().begin().expect("room"));
+        assert_eq!((built_in.begin_step(), small.begin_step()), (None, None));
+        let told = built_in.controllers_command().expect("a robot");
+        assert!(built_in.controllers_command().is_some_and(|again| again.input == told.input), "asking changes nothing");
+        assert_eq!((built_in.step(), small.step()), (None, None));
+        let input = |episode: &Episode| episode.tick().robot.expect("a robot").input;
+        assert_eq!(told.input, input(&built_in), "{name}: what it was about to do");
+        let robot = prepared.robot().expect("a robot");
+        let count = robot.drive.inputs() + robot.joint_count();
+        let added = input(&small) - input(&built_in);
+        assert!(added.iter().take(count).all(|added| (added - 1e-3).abs() < 1e-12), "{name}: {added}");
+
+        let mut large = of(InputVector::repeat(1e3));
+        assert_eq!(large.begin_step(), None);
+        let rates = large.controllers_command().expect("a robot").rates;
+        assert_eq!(large.step(), None);
+        let total = rates + input(&large);
+        let limits = robot.input_limits();
+        assert!((0..count).all(|i| (total[i] - limits[i]).abs() < 1e-9), "{name}: {total}");
+    }
+}
+
 /// Wants the last option, holds back for three steps, then takes over.
 #[derive(Clone, Debug)]
 struct Reluctant;

@@ -81,6 +81,34 @@ fn assert_resumes(of_whole: &PreparedScenario, whole: &[String], cuts: &[u64]) {
 }
 
 #[test]
+fn a_step_that_has_begun_goes_on_with_the_same_bits() {
+    let learning = |scenario: Scenario| Scenario {
+        settings: Settings { learning: Some(Default::default()), ..scenario.settings },
+        ..scenario
+    };
+    let plain = plants().map(|plant| scenario(plant, Method::default()));
+    let learns = learning(scenario(Plant::Point, Method::default()));
+    for scenario in plain.into_iter().chain([learns]) {
+        let name = (scenario.plant.name(), scenario.settings.learning.is_some());
+        let of_whole = prepared(scenario);
+        let whole = rest(of_whole.episode().unwrap_or_else(|e| panic!("{e}")));
+        for cut in [0, 1, 60] {
+            let mut episode = of_whole.episode().unwrap_or_else(|e| panic!("{e}"));
+            (0..cut).for_each(|_| assert_eq!(episode.step(), None));
+            assert_eq!(episode.begin_step(), None);
+            let bytes = of_whole.snapshot(&episode).bytes().unwrap_or_else(|e| panic!("{e}"));
+            let Snapshot { scenario, state, .. } = parse(&bytes).unwrap_or_else(|e| panic!("{e}"));
+            let prepared = prepared(scenario);
+            let episode = prepared.resume(state).unwrap_or_else(|e| panic!("{e}"));
+            assert!(episode.robot_view().is_some(), "{name:?}: the human has decided");
+            let again = prepared.snapshot(&episode).bytes().unwrap_or_else(|e| panic!("{e}"));
+            assert!(again == bytes, "{name:?}: something is lost in step {cut}");
+            assert!(rest(episode) == whole[cut..], "{name:?}: cut in step {cut}");
+        }
+    }
+}
+
+#[test]
 fn a_resumed_episode_is_the_one_never_cut() {
     for plant in plants() {
         let name = plant.name();

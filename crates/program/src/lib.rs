@@ -49,6 +49,7 @@ mod worlds;
 pub mod xacro;
 
 pub use custom::{CustomPolicies, provide};
+pub use robot::robot_to_export;
 
 use clap::error::ContextKind;
 use clap::{CommandFactory, Parser, Subcommand};

@@ -90,14 +90,23 @@ pub(super) fn sway_of(plant: &Plant) -> f64 {
     plant.physics().map_or(0.0, |physics| physics.human.sway_lateral)
 }
 
+fn is_name(file: &Path, name: &str) -> bool {
+    file == Path::new(name) && !file.is_file()
+}
+
+/// The robot of this name that `cocarry export` writes, unless there is a file of that name.
+pub fn robot_to_export(file: &Path) -> Option<&'static str> {
+    ROBOTS.iter().map(|robot| robot.name).find(|name| is_name(file, name))
+}
+
 /// The error of a robot's name where a file belongs.
 pub(super) fn check_is_file(flag: &str, file: &Path) -> Result<(), Failure> {
-    let named = |name: &&str| file == Path::new(*name) && !file.is_file();
+    let named = |name: &&str| is_name(file, name);
     let said = if [ROBOT, "built-in"].iter().any(named) && flag == "--robot" {
         format!(
             "the built-in robot is the default; leave --robot out, or write its files with `cocarry export {ROBOT}`"
         )
-    } else if let Some(name) = ROBOTS.iter().map(|robot| robot.name).find(named) {
+    } else if let Some(name) = robot_to_export(file) {
         format!(
             "not a file; `cocarry export {name}` writes this robot's files, then use `{flag} {name}.toml`"
         )

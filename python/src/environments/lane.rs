@@ -1,6 +1,6 @@
 //! A lane: one environment, which draws its episodes from its own generator.
 
-use super::rules::{Autoreset, Rules, Task};
+use super::rules::{Autoreset, Bound, BuiltIn, Rules, Task};
 use crate::episode::Cell;
 use crate::error::words;
 use cocarry::coordination::Stubbornness;
@@ -8,14 +8,16 @@ use cocarry::episode::Outcome;
 use cocarry::human::{Human, HumanDecision, HumanView, Stance};
 use cocarry::preference::Perception;
 use cocarry::quantities::{EPISODE, Record, View};
-use cocarry::scenario::{GivenPerception, drawn_human};
+use cocarry::saved::{RestoreError, Saved};
+use cocarry::scenario::{GivenPerception, Partners, PreparedScenario, drawn_human};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
+use serde::{Deserialize, Serialize};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// The outcome of a lane's step besides its observation.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct StepResult {
     pub(super) reward: f64,
     pub(super) terminated: bool,
@@ -33,10 +35,10 @@ pub(super) struct Wish {
 
 /// A human whose decisions are actions. Stubbornness grows by eq. (5).
 #[derive(Clone, Debug)]
-pub(super) struct ActedHuman {
-    pub(super) next: Arc<Mutex<(usize, Stance)>>,
-    pub(super) perception: Perception,
-    pub(super) stubbornness: Stubbornness,
+struct ActedHuman {
+    next: Next,
+    perception: Perception,
+    stubbornness: Stubbornness,
 }
 
 impl Human for ActedHuman {
@@ -46,6 +48,28 @@ impl Human for ActedHuman {
         let option = option.min(view.prospects.len().saturating_sub(1));
         HumanDecision { stance, ..HumanDecision::new(option, &self.stubbornness, Some(self.perception)) }
     }
+
+    fn save(&self) -> Saved {
+        Saved::of(&self.stubbornness)
+    }
+
+    fn restore(&mut self, saved: &Saved) -> Result<(), RestoreError> {
+        self.stubbornness = saved.read("human")?;
+        Ok(())
+    }
+}
+
+/// The next decision of a human whose decisions are actions.
+pub(super) type Next = Arc<Mutex<(usize, Stance)>>;
+
+/// The human whose decisions are actions, of a task that has one.
+pub(super) fn acted(task: Task, next: &Next, prepared: &PreparedScenario) -> Option<Box<dyn Human>> {
+    (task == Task::Both).then(|| {
+        let scenario = prepared.scenario();
+        let stubbornness = Stubbornness::new(scenario.settings.coordination);
+        Box::new(ActedHuman { next: Arc::clone(next), perception: scenario.human, stubbornness })
+            as Box<dyn Human>
+    })
 }
 
 /// The responses of a human to the robot's lead, as actions.
@@ -56,12 +80,16 @@ pub(super) struct Lane {
     pub(super) rng: ChaCha8Rng,
     pub(super) cell: Option<Cell>,
     pub(super) world: usize,
+    /// The bound of the episode's cost, if its ending has a price.
+    pub(super) bound: Option<Bound>,
+    /// What the built-in controller would do in the step that has begun, if it is told.
+    pub(super) built_in: BuiltIn,
     /// J^ up to the last step.
     pub(super) subjective: f64,
     /// J, J^ and C of the last step.
     pub(super) costs: [f64; 3],
     /// The next decision of the human of [`Task::Both`].
-    pub(super) human: Arc<Mutex<(usize, Stance)>>,
+    pub(super) human: Next,
     pub(super) is_over: bool,
     /// Figures of the last episode that ended.
     pub(super) last: Option<Record>,
@@ -76,6 +104,8 @@ impl Lane {
             rng: ChaCha8Rng::seed_from_u64(seed),
             cell: None,
             world: 0,
+            bound: None,
+            built_in: BuiltIn::default(),
             subjective: 0.0,
             costs: [0.0; 3],
             human: Arc::new(Mutex::new((0, Stance::Follow))),
@@ -101,20 +131,19 @@ impl Lane {
         scenario.human = drawn_human(scenario.settings.predictor.belief(), given, scenario.seed);
         self.subjective = 0.0;
         *self.human.lock().unwrap_or_else(PoisonError::into_inner) = (0, Stance::Follow);
-        let acted = (rules.task == Task::Both).then(|| {
-            let stubbornness = Stubbornness::new(scenario.settings.coordination);
-            let human =
-                ActedHuman { next: Arc::clone(&self.human), perception: scenario.human, stubbornness };
-            Box::new(human) as Box<dyn Human>
+        let made = base.prepare(scenario).map_err(|error| words(&error)).and_then(|prepared| {
+            let partners = Partners { human: acted(rules.task, &self.human, &prepared), policy: None };
+            Cell::begin(Arc::new(prepared), partners, None).map_err(|error| words(&error))
         });
-        let made = base
-            .prepare(scenario)
-            .map_err(|error| words(&error))
-            .and_then(|prepared| Cell::beginning(Arc::new(prepared), acted).map_err(|error| words(&error)));
         match made {
             Ok(mut made) => {
                 made.with_dependent_mut(|prepared, running| {
-                    running.outcome = rules.begin(prepared, &mut running.episode, observation);
+                    let bound = rules.bound(prepared);
+                    running.outcome = rules.begin(prepared, &mut running.episode, bound.as_ref(), observation);
+                    self.bound = bound;
+                    if rules.tells_built_in {
+                        self.built_in = rules.built_in(prepared, &running.episode);
+                    }
                 });
                 self.is_over = false;
                 self.cell = Some(made);
@@ -135,6 +164,7 @@ impl Lane {
         }
         let Some(cell) = self.cell.as_mut() else { return StepResult::default() };
         let (subjective, human, costs) = (&mut self.subjective, &self.human, &mut self.costs);
+        let (bound, built_in) = (self.bound.as_ref(), &mut self.built_in);
         let (result, last) = cell.with_dependent_mut(|prepared, running| {
             let episode = &mut running.episode;
             if rules.task == Task::Both {
@@ -149,14 +179,20 @@ impl Lane {
             let control = tick.robot.as_ref().map_or(0.0, |robot| robot.cost());
             *costs = [tick.objective_cost, so_far - *subjective, control];
             *subjective = so_far;
-            let cost: f64 = rules.weights.iter().zip(*costs).map(|(weight, cost)| weight * cost).sum();
-            let ended = rules.begin(prepared, episode, observation);
-            let is_long = rules.most_steps.is_some_and(|most| episode.summary().steps >= most);
-            let truncated = ended == Some(Outcome::OutOfTime) || (ended.is_none() && is_long);
+            let ended = rules.begin(prepared, episode, bound, observation);
+            let steps = episode.summary().steps;
+            let truncated =
+                ended == Some(Outcome::OutOfTime) || (ended.is_none() && rules.is_long(steps, bound));
             let terminated = ended.is_some_and(|outcome| outcome != Outcome::OutOfTime);
+            // a caller's own limit is not an end of the task
+            let is_over = terminated || ended.is_some() || bound.is_some_and(|bound| steps >= bound.steps);
+            let reward = rules.reward(*costs, bound, (steps, is_over, ended == Some(Outcome::Arrived)));
             running.outcome = ended;
+            if rules.tells_built_in {
+                *built_in = rules.built_in(prepared, episode);
+            }
             let last = (terminated || truncated).then(|| View::new(prepared, &running.episode).read(EPISODE));
-            (StepResult { reward: -cost, terminated, truncated }, last)
+            (StepResult { reward, terminated, truncated }, last)
         });
         if let Some(last) = last {
             self.is_over = true;

@@ -3,29 +3,30 @@
 //! A lane is one environment. Every lane draws its episodes from its own generator, so N lanes are equal to N
 //! single environments bit for bit, for any number of threads.
 
+mod actions;
 mod lane;
+mod observation;
+mod replay;
 mod rules;
+mod saved;
 
-use crate::episode::Cell;
-use crate::error::{ActionError, ClosedError, Error, RecordingError, ScenarioError, guarded, words};
+use crate::arguments;
+use crate::error::{ActionError, ClosedError, Error, RecordingError, ScenarioError, guarded};
 use crate::robot::input_limits;
 use crate::scenario::Scenario;
 use crate::value::{self, repr};
-use cocarry::coordination::Stubbornness;
-use cocarry::human::{Human, Stance};
 use cocarry::preference::Perception;
-use cocarry::scenario::{GivenPerception, PERCEPTION};
-use cocarry_recording::recording::{Ending, Recorder};
-use lane::{ActedHuman, Lane, STANCES, StepResult, Wish};
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use cocarry::scenario::{GivenPerception, PERCEPTION, PreparedScenario};
+use cocarry::suggestion;
+use lane::{Lane, StepResult, Wish};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rayon::prelude::*;
-use rules::{Autoreset, Rules, Task};
-use std::io::Cursor;
-use std::sync::{Arc, Mutex, PoisonError, TryLockError};
+use rules::{Autoreset, Ending, Rules, TASKS, Task};
+use std::sync::{Arc, Mutex, TryLockError};
 
 /// Environments side by side.
 #[pyclass(frozen, module = "cocarry._cocarry", name = "Lanes")]
@@ -39,6 +40,8 @@ pub struct Lanes {
     /// The threads, and the process that has them; none for a single lane.
     pool: Option<(rayon::ThreadPool, u32)>,
     period: f64,
+    /// The number of numbers in an observation.
+    size: usize,
 }
 
 impl Lanes {
@@ -60,60 +63,35 @@ impl Lanes {
         }
     }
 
+    /// The index of a world that is given by it or by its name.
+    fn world_of(&self, given: &Bound<'_, PyAny>) -> PyResult<usize> {
+        let bases = &self.rules.bases;
+        let titled = |base: &PreparedScenario, name: &str| world_name(base) == name || base.world().name == name;
+        let found = match given.extract::<String>() {
+            Ok(name) => bases.iter().position(|base| titled(base, &name)).ok_or_else(|| {
+                suggestion::hint(&name, bases.iter().map(|base| world_name(base)))
+            }),
+            Err(_) => arguments::argument::<usize>("world", "", given)
+                .ok()
+                .filter(|index| *index < bases.len())
+                .ok_or_else(String::new),
+        };
+        found.map_err(|hint| {
+            let names = suggestion::listed(bases.iter().map(|base| world_name(base)), 12);
+            Error::new_err(format!(
+                "world = {}; it must be a whole number from 0 to {}, or one of {names}{hint}",
+                repr(given),
+                bases.len() - 1
+            ))
+        })
+    }
+
     fn lane<T>(&self, index: usize, read: impl FnOnce(&Lane) -> PyResult<T>) -> PyResult<T> {
         let lanes = self.lock()?;
         match lanes.get(index) {
             Some(lane) => read(lane),
             None => Err(Error::new_err(format!("index = {index}; it must be less than {}", lanes.len()))),
         }
-    }
-
-    /// The actions as rows, one a lane.
-    fn rows(&self, given: &Bound<'_, PyAny>, lanes: usize) -> PyResult<Vec<f64>> {
-        if self.rules.task == Task::Options {
-            let most = self.rules.options as i64;
-            let found =
-                given.extract::<PyReadonlyArray1<'_, i64>>().ok().map(|array| array.as_array().to_vec());
-            let found =
-                found.filter(|rows| rows.len() == lanes && rows.iter().all(|a| (0..=most).contains(a)));
-            return match found {
-                Some(found) => Ok(found.into_iter().map(|action| action as f64).collect()),
-                None => Err(ActionError::new_err(format!(
-                    "action {}; it must be {lanes} whole number(s) (int64) from 0 to {most}: an option to lead on, or {most} to follow",
-                    repr(given)
-                ))),
-            };
-        }
-        if self.rules.task == Task::Both {
-            let most = self.rules.options as i64;
-            let found = given.extract::<PyReadonlyArray2<'_, i64>>().ok();
-            let found = found.filter(|rows| rows.as_array().shape() == [lanes, 3]);
-            let rows = found.map(|rows| rows.as_array().iter().copied().collect::<Vec<_>>());
-            let fits = |row: &[i64]| {
-                (0..=most).contains(&row[0])
-                    && (0..most).contains(&row[1])
-                    && (0..STANCES.len() as i64).contains(&row[2])
-            };
-            let rows = rows.filter(|rows| rows.chunks(3).all(fits));
-            return match rows {
-                Some(rows) => Ok(rows.into_iter().map(|number| number as f64).collect()),
-                None => Err(ActionError::new_err(format!(
-                    "actions {}; the robot's must be a whole number from 0 to {most}, the human's an option from 0 to {} and a response from 0 to 2",
-                    repr(given),
-                    most - 1
-                ))),
-            };
-        }
-        let width = self.rules.limits.len();
-        let found = given.extract::<PyReadonlyArray2<'_, f64>>().ok();
-        let found = found
-            .filter(|rows| rows.as_array().shape() == [lanes, width])
-            .map(|rows| rows.as_array().iter().copied().collect::<Vec<_>>());
-        let found = found.filter(|numbers| numbers.iter().all(|number| number.is_finite()));
-        let found = found.ok_or_else(|| {
-            ActionError::new_err(format!("action {}; it must be float64 numbers, all finite, {width} for each of {lanes} environment(s)", repr(given)))
-        })?;
-        Ok(found.chunks(width).flat_map(|row| row.iter().copied().chain([self.period])).collect())
     }
 
     /// Runs `work` for every lane and its part of the arrays, on all threads.
@@ -124,7 +102,7 @@ impl Lanes {
         work: impl Fn(&Rules, usize, &mut Lane, &[f64], &mut [f64]) -> StepResult + Sync + Send,
     ) -> PyResult<()> {
         let mut lanes = self.lock()?;
-        let size = self.rules.size();
+        let size = self.size;
         let mut observations = self.observations.bind(py).try_readwrite().map_err(|_| in_use())?;
         let mut rewards = self.rewards.bind(py).try_readwrite().map_err(|_| in_use())?;
         let mut terminated = self.terminated.bind(py).try_readwrite().map_err(|_| in_use())?;
@@ -172,89 +150,95 @@ fn in_use() -> PyErr {
 #[pymethods]
 impl Lanes {
     #[new]
-    #[pyo3(signature = (count, task, scenarios, *, alpha = None, gamma = None, weights = (1.0, 1.0, 0.0),
-        most_steps = None, autoreset = None, threads = None))]
+    #[pyo3(signature = (num_envs, task, scenarios, *, alpha = None, gamma = None, weights = None, max_steps = None,
+        max_episode_steps = None, prices_ending = false, most_step_cost = None, action_scale = None,
+        tells_built_in = false, autoreset = None, threads = None))]
     #[allow(clippy::too_many_arguments, reason = "keywords")]
     fn new(
         py: Python<'_>,
-        count: usize,
+        #[pyo3(from_py_with = arguments::num_envs)] num_envs: usize,
         task: &str,
         scenarios: Vec<Py<Scenario>>,
-        alpha: Option<f64>,
-        gamma: Option<f64>,
-        weights: (f64, f64, f64),
-        most_steps: Option<u64>,
+        #[pyo3(from_py_with = arguments::given_alpha)] alpha: Option<f64>,
+        #[pyo3(from_py_with = arguments::given_gamma)] gamma: Option<f64>,
+        weights: Option<[Bound<'_, PyAny>; 3]>,
+        #[pyo3(from_py_with = arguments::max_steps)] max_steps: Option<u64>,
+        #[pyo3(from_py_with = arguments::max_episode_steps)] max_episode_steps: Option<u64>,
+        prices_ending: bool,
+        #[pyo3(from_py_with = arguments::most_step_cost)] most_step_cost: Option<f64>,
+        #[pyo3(from_py_with = arguments::action_scale)] action_scale: Option<f64>,
+        tells_built_in: bool,
         autoreset: Option<&str>,
-        threads: Option<usize>,
+        #[pyo3(from_py_with = arguments::threads)] threads: Option<usize>,
     ) -> PyResult<Self> {
-        let task = match task {
-            "options" => Task::Options,
-            "both" => Task::Both,
-            "inputs" => Task::Inputs,
-            "reference" => Task::Reference,
-            other => {
-                return Err(Error::new_err(format!(
-                    "task = {other:?}; it must be one of: options, both, inputs, reference"
-                )));
-            }
+        let refused = |key: &str, value: &dyn std::fmt::Display, expected: &str| {
+            Err(Error::new_err(format!("{key} = {value}; it must be {expected}")))
         };
-        if !(1..=100_000).contains(&count) {
-            return Err(Error::new_err(format!("{count} environments; there must be 1 to 100000")));
+        let Some((_, task)) = TASKS.into_iter().find(|(name, _)| *name == task) else {
+            let moving = "one of: inputs, reference, residual";
+            return refused("action", &format_args!("{task:?}"), moving);
+        };
+        if !(1..=100_000).contains(&num_envs) {
+            return refused("num_envs", &num_envs, "a whole number from 1 to 100000");
         }
-        for (key, value) in [("alpha", alpha), ("gamma", gamma)] {
-            if let Some(wrong) = value.filter(|value| !PERCEPTION.contains(*value)) {
-                return Err(Error::new_err(format!("{key} = {wrong}; it must be {PERCEPTION}")));
-            }
-        }
+        check_perception(alpha, gamma)?;
         let autoreset = match autoreset {
             None => None,
             Some("next-step") => Some(Autoreset::NextStep),
             Some("same-step") => Some(Autoreset::SameStep),
             Some(other) => {
-                return Err(Error::new_err(format!(
-                    "autoreset = {other:?}; it must be None or one of: next-step, same-step"
-                )));
+                return refused("autoreset", &format_args!("{other:?}"), "None, next-step or same-step");
             }
         };
-        let weights = [weights.0, weights.1, weights.2];
-        if let Some(wrong) = weights.iter().find(|weight| !weight.is_finite()) {
-            return Err(Error::new_err(format!(
-                "a weight of the reward is {wrong}; it must be a finite number"
-            )));
+        let weights = match weights {
+            None => [1.0, 1.0, 0.0],
+            Some(given) => weights_of(&given, prices_ending)?,
+        };
+        for (key, steps) in [("max_steps", max_steps), ("max_episode_steps", max_episode_steps)] {
+            if steps == Some(0) {
+                return refused(key, &0, "a whole number of at least 1");
+            }
         }
-        if most_steps == Some(0) {
-            return Err(Error::new_err("the largest number of steps is 0; it must be at least 1"));
+        if let Some(cost) = most_step_cost.filter(|cost| !(cost.is_finite() && *cost > 0.0)) {
+            return refused("most_step_cost", &cost, "a number greater than 0");
+        }
+        let scale = action_scale.unwrap_or(1.0);
+        if !(scale > 0.0 && scale <= 1.0) {
+            return refused("action_scale", &scale, "a number greater than 0 and at most 1");
         }
         let bases =
             scenarios.iter().map(|scenario| scenario.get().prepared(py)).collect::<PyResult<Vec<_>>>()?;
         let Some(first) = bases.first() else {
-            return Err(Error::new_err("there is no world; give at least one"));
+            return Err(Error::new_err("worlds has no world; it must have at least one"));
         };
-        let robot = first.robot();
-        if matches!(task, Task::Inputs | Task::Reference) && robot.is_none() {
-            return Err(Error::new_err(
-                "this environment needs a robot; use plant=\"kinematic\" or plant=\"rapier\"",
-            ));
-        }
-        let limits = match (task, robot) {
-            (Task::Inputs, Some(robot)) => input_limits(robot),
+        let limits = match (task, first.robot()) {
+            (Task::Options | Task::Both, _) => Vec::new(),
+            (_, None) => {
+                return Err(Error::new_err(
+                    "plant = \"point\" has no robot, which this environment needs; use plant=\"kinematic\" or plant=\"rapier\"",
+                ));
+            }
             (Task::Reference, _) => vec![1.0, 1.0, 2.0],
-            _ => Vec::new(),
+            (Task::Inputs | Task::Residual, Some(robot)) => input_limits(robot),
         };
         let rules = Rules {
             task,
             given: GivenPerception { alpha, gamma },
             options: bases.iter().map(|base| base.options().options().len()).max().unwrap_or(0),
-            joints: robot.map_or(0, |robot| robot.joints.len()),
-            base: robot.map_or(2, |robot| robot.drive.inputs()),
-            limits,
+            limits: limits.into_iter().map(|limit| limit * scale).collect(),
             weights,
-            most_steps,
+            max_steps,
+            max_episode_steps,
+            ending: prices_ending.then_some(Ending { most_step_cost }),
+            tells_built_in,
             autoreset,
             bases,
         };
+        if threads == Some(0) {
+            return refused("threads", &0, "a whole number of at least 1");
+        }
         let threads = threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
-        let pool = match count.min(threads) {
+        let pool = match num_envs.min(threads) {
             0 | 1 => None,
             threads => {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
@@ -264,12 +248,14 @@ impl Lanes {
                 ))
             }
         };
+        let size = rules.numbers().len();
         Ok(Self {
-            lanes: Mutex::new((0..count).map(|i| Lane::new(i as u64)).collect()),
-            observations: PyArray2::zeros(py, [count, rules.size()], false).unbind(),
-            rewards: PyArray1::zeros(py, count, false).unbind(),
-            terminated: PyArray1::zeros(py, count, false).unbind(),
-            truncated: PyArray1::zeros(py, count, false).unbind(),
+            lanes: Mutex::new((0..num_envs).map(|i| Lane::new(i as u64)).collect()),
+            observations: PyArray2::zeros(py, [num_envs, size], false).unbind(),
+            rewards: PyArray1::zeros(py, num_envs, false).unbind(),
+            terminated: PyArray1::zeros(py, num_envs, false).unbind(),
+            truncated: PyArray1::zeros(py, num_envs, false).unbind(),
+            size,
             period: rules.bases[0].scenario().settings.planning_step,
             pool,
             rules,
@@ -277,7 +263,11 @@ impl Lanes {
     }
 
     /// Seeds a lane's generator.
-    fn seed(&self, index: usize, seed: u64) -> PyResult<()> {
+    fn seed(
+        &self,
+        #[pyo3(from_py_with = arguments::index)] index: usize,
+        #[pyo3(from_py_with = arguments::seed)] seed: u64,
+    ) -> PyResult<()> {
         match self.lock()?.get_mut(index) {
             Some(lane) => {
                 lane.rng = ChaCha8Rng::seed_from_u64(seed);
@@ -292,26 +282,17 @@ impl Lanes {
     fn reset(
         &self,
         py: Python<'_>,
-        mask: Option<Vec<bool>>,
-        world: Option<usize>,
-        seed: Option<u64>,
-        alpha: Option<f64>,
-        gamma: Option<f64>,
+        #[pyo3(from_py_with = arguments::reset_mask)] mask: Option<Vec<bool>>,
+        world: Option<&Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = arguments::other_seed)] seed: Option<u64>,
+        #[pyo3(from_py_with = arguments::given_alpha)] alpha: Option<f64>,
+        #[pyo3(from_py_with = arguments::given_gamma)] gamma: Option<f64>,
     ) -> PyResult<()> {
-        if let Some(wrong) = world.filter(|world| *world >= self.rules.bases.len()) {
-            return Err(Error::new_err(format!(
-                "world = {wrong}; it must be a whole number from 0 to {}",
-                self.rules.bases.len() - 1
-            )));
-        }
-        for (key, value) in [("alpha", alpha), ("gamma", gamma)] {
-            if let Some(wrong) = value.filter(|value| !PERCEPTION.contains(*value)) {
-                return Err(Error::new_err(format!("{key} = {wrong}; it must be {PERCEPTION}")));
-            }
-        }
+        let world = world.map(|given| self.world_of(given)).transpose()?;
+        check_perception(alpha, gamma)?;
         let count = self.lock()?.len();
         if mask.as_ref().is_some_and(|mask| mask.len() != count) {
-            return Err(Error::new_err(format!("the mask must have {count} flags")));
+            return Err(Error::new_err(format!("reset_mask must have {count} flags, one for each environment")));
         }
         let wish = Wish { world, seed, alpha, gamma };
         self.each(py, &[], |rules, i, lane, _, observation| {
@@ -358,10 +339,23 @@ impl Lanes {
         self.truncated.clone_ref(py)
     }
 
-    /// The names of the numbers of an observation, with their least and largest values.
+    /// The numbers of an observation: name, unit, least and largest value.
     #[getter]
-    fn layout(&self) -> Vec<(String, (f64, f64))> {
-        self.rules.layout().into_iter().map(|(name, [low, high])| (name, (low, high))).collect()
+    fn layout(&self) -> Vec<(String, &'static str, (f64, f64))> {
+        let numbers = self.rules.numbers().into_iter();
+        numbers.map(|number| (number.name, number.unit, (number.bounds[0], number.bounds[1]))).collect()
+    }
+
+    /// The numbers of an action that moves a robot: name and unit.
+    #[getter]
+    fn action_layout(&self) -> Vec<(String, &'static str)> {
+        self.rules.action_numbers().into_iter().map(|number| (number.name, number.unit)).collect()
+    }
+
+    /// The names of the worlds.
+    #[getter]
+    fn worlds(&self) -> Vec<String> {
+        self.rules.bases.iter().map(|base| world_name(base).to_owned()).collect()
     }
 
     /// What actions of 1 stand for; none for options.
@@ -376,6 +370,18 @@ impl Lanes {
         self.rules.options
     }
 
+    /// Which actions each lane's episode has, (lanes, options + 1): 0 for options that its world does not have.
+    #[getter]
+    fn action_masks<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i8>>> {
+        let most = self.rules.options;
+        let lanes = self.lock()?;
+        let rows = lanes.iter().map(|lane| {
+            let count = lane.cell.as_ref().map_or(most, |cell| cell.borrow_owner().options().options().len());
+            (0..=most).map(|action| i8::from(action < count || action == most)).collect()
+        });
+        Ok(PyArray2::from_vec2(py, &rows.collect::<Vec<Vec<i8>>>())?)
+    }
+
     /// World, seed and human of a lane's episode.
     fn episode<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
@@ -384,6 +390,7 @@ impl Lanes {
             let scenario = cell.borrow_owner().scenario();
             let Perception { alpha, gamma } = scenario.human;
             dict.set_item("world", lane.world)?;
+            dict.set_item("world_name", world_name(cell.borrow_owner()))?;
             dict.set_item("seed", scenario.seed)?;
             dict.set_item("alpha", alpha)?;
             dict.set_item("gamma", gamma)?;
@@ -419,44 +426,7 @@ impl Lanes {
         if actions.iter().any(|action| action.len() != width) {
             return Err(ActionError::new_err(format!("every action must have {width} numbers")));
         }
-        let recorded = py.detach(|| {
-            guarded(|| {
-                let next = Arc::new(Mutex::new((0, Stance::Follow)));
-                let acted = (self.rules.task == Task::Both).then(|| {
-                    let scenario = prepared.scenario();
-                    let stubbornness = Stubbornness::new(scenario.settings.coordination);
-                    let next = Arc::clone(&next);
-                    Box::new(ActedHuman { next, perception: scenario.human, stubbornness }) as Box<dyn Human>
-                });
-                let mut cell = Cell::beginning(prepared, acted).map_err(|error| words(&error))?;
-                cell.with_dependent_mut(|prepared, running| {
-                    let episode = &mut running.episode;
-                    let file = Cursor::new(Vec::new());
-                    let mut recorder = Recorder::new(file, "the episode", prepared, episode)
-                        .map_err(|error| words(&error))?;
-                    if actions.is_empty() && episode.step().is_none() {
-                        recorder.step(episode).map_err(|error| words(&error))?;
-                    }
-                    for action in &actions {
-                        if let [_, option, stance] = action[..]
-                            && self.rules.task == Task::Both
-                        {
-                            let stance = STANCES[(stance as usize).min(STANCES.len() - 1)];
-                            *next.lock().unwrap_or_else(PoisonError::into_inner) = (option as usize, stance);
-                        }
-                        if episode.begin_step().is_some() {
-                            break;
-                        }
-                        let action: Vec<f64> = action.iter().copied().chain([self.period]).collect();
-                        let decision = self.rules.decision(episode, &action);
-                        episode.finish_step(&decision);
-                        recorder.step(episode).map_err(|error| words(&error))?;
-                    }
-                    let ending = episode.begin_step().map_or(Ending::Interrupted, Ending::Over);
-                    recorder.finish(episode, ending).map(Cursor::into_inner).map_err(|error| words(&error))
-                })
-            })
-        });
+        let recorded = py.detach(|| guarded(|| replay::recording(&self.rules, self.period, prepared, &actions)));
         Ok(PyBytes::new(py, &recorded?.map_err(RecordingError::new_err)?))
     }
 
@@ -470,4 +440,59 @@ impl Lanes {
     fn last_observation<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Bound<'py, PyArray1<f64>>> {
         self.lane(index, |lane| Ok(PyArray1::from_slice(py, &lane.last_observation)))
     }
+
+    /// What the built-in controller would do next in a lane: as an action, and as inputs u. None if it is not told.
+    fn built_in<'py>(
+        &self,
+        py: Python<'py>,
+        index: usize,
+    ) -> PyResult<Option<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)>> {
+        let told = self.lane(index, |lane| Ok(self.rules.tells_built_in.then(|| lane.built_in.clone())))?;
+        Ok(told.map(|told| (PyArray1::from_vec(py, told.action), PyArray1::from_vec(py, told.inputs))))
+    }
+
+    /// N and m of a lane's episode: the most steps that it takes, and the most that a step costs. None without a price
+    /// of its ending.
+    fn bound(&self, index: usize) -> PyResult<Option<(u64, f64)>> {
+        self.lane(index, |lane| Ok(lane.bound.map(|bound| (bound.steps, bound.step_cost))))
+    }
+
+    /// The state of all lanes, to be restored in environments made by the same arguments.
+    #[pyo3(name = "save")]
+    fn saved<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        Ok(PyBytes::new(py, &self.save(py)?))
+    }
+
+    #[pyo3(name = "restore")]
+    fn restored(&self, py: Python<'_>, state: &[u8]) -> PyResult<()> {
+        self.restore(py, state)
+    }
+}
+
+/// The name of a world: of a built-in one or its file.
+fn world_name(prepared: &PreparedScenario) -> &str {
+    prepared.scenario().world.file()
+}
+
+fn check_perception(alpha: Option<f64>, gamma: Option<f64>) -> PyResult<()> {
+    for (key, value) in [("alpha", alpha), ("gamma", gamma)] {
+        if let Some(wrong) = value.filter(|value| !PERCEPTION.contains(*value)) {
+            return Err(Error::new_err(format!("{key} = {wrong}; it must be {PERCEPTION}")));
+        }
+    }
+    Ok(())
+}
+
+/// The weights of J, J^ and C.
+fn weights_of(given: &[Bound<'_, PyAny>; 3], prices_ending: bool) -> PyResult<[f64; 3]> {
+    let expected = if prices_ending { "a finite number of at least 0" } else { "a finite number" };
+    let mut weights = [0.0; 3];
+    for (i, key) in ["objective_weight", "subjective_weight", "control_weight"].into_iter().enumerate() {
+        let weight: f64 = arguments::argument(key, expected, &given[i])?;
+        if !weight.is_finite() || (prices_ending && weight < 0.0) {
+            return Err(Error::new_err(format!("{key} = {weight}; it must be {expected}")));
+        }
+        weights[i] = weight;
+    }
+    Ok(weights)
 }

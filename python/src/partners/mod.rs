@@ -5,7 +5,7 @@ mod views;
 
 pub use views::{PyHandView, PyHumanView, PyRobotView, PyView, configuration_vector};
 
-use crate::error::DecisionError;
+use crate::error::{ClosedError, DecisionError};
 use crate::value::repr;
 use answers::{Basis, decision, hand_target, human_decision};
 use cocarry::coordination::{Mode, Stubbornness};
@@ -16,6 +16,7 @@ use cocarry::saved::{RestoreError, Saved};
 use cocarry::scenario::{self, Decisions, PolicyLog, PreparedScenario};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyString, PyType};
+use pyo3::{PyTraverseError, PyVisit};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -45,10 +46,42 @@ impl Fault {
     }
 }
 
+/// A custom partner of an episode: the only reference to it, so that Python's collector can find an object that refers
+/// to its episode, and let go of it.
+#[derive(Clone, Debug)]
+pub struct Held(Arc<Mutex<Option<Py<PyAny>>>>);
+
+impl Held {
+    pub fn new(object: Py<PyAny>) -> Self {
+        Self(Arc::new(Mutex::new(Some(object))))
+    }
+
+    /// The object, unless it was collected.
+    pub fn get(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        let held = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let collected = || ClosedError::new_err("the episode's partner was collected");
+        held.as_ref().map(|object| object.clone_ref(py)).ok_or_else(collected)
+    }
+
+    fn bound<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        Ok(self.get(py)?.into_bound(py))
+    }
+
+    pub fn traverse(&self, visit: &PyVisit<'_>) -> Result<(), PyTraverseError> {
+        // it is locked for moments only
+        self.0.try_lock().map_or(Ok(()), |held| held.as_ref().map_or(Ok(()), |object| visit.call(object)))
+    }
+
+    pub fn clear(&self) {
+        let held = self.0.lock().unwrap_or_else(PoisonError::into_inner).take();
+        drop(held);
+    }
+}
+
 /// A Python object that decides, with its saved state.
 #[derive(Debug)]
 struct Partner {
-    object: Py<PyAny>,
+    object: Held,
     basis: Basis,
     fault: Fault,
 }
@@ -56,9 +89,9 @@ struct Partner {
 impl Clone for Partner {
     fn clone(&self) -> Self {
         let object = Python::attach(|py| {
-            copy(self.object.bind(py)).unwrap_or_else(|error| {
+            self.object.bound(py).and_then(|object| copy(&object)).map(Held::new).unwrap_or_else(|error| {
                 self.fault.put(error);
-                self.object.clone_ref(py)
+                self.object.clone()
             })
         });
         Self { object, basis: self.basis.clone(), fault: self.fault.clone() }
@@ -92,7 +125,7 @@ fn initial_mode(policy: &Bound<'_, PyAny>) -> Mode {
 impl Partner {
     /// Calls the object: its method `decide`, or itself.
     fn ask<'py>(&self, py: Python<'py>, view: Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        let object = self.object.bind(py);
+        let object = self.object.bound(py)?;
         match object.getattr_opt("decide")? {
             Some(decide) => decide.call1((view,)),
             None => object.call1((view,)),
@@ -101,7 +134,8 @@ impl Partner {
 
     fn save(&self) -> Vec<u8> {
         Python::attach(|py| {
-            let saved = self.object.bind(py).getattr_opt("save").and_then(|save| match save {
+            let save = self.object.bound(py).and_then(|object| object.getattr_opt("save"));
+            let saved = save.and_then(|save| match save {
                 Some(save) => save.call0()?.extract::<Vec<u8>>(),
                 None => Ok(Vec::new()),
             });
@@ -113,7 +147,7 @@ impl Partner {
     }
 
     fn restore(&self, bytes: &[u8]) -> PyResult<()> {
-        Python::attach(|py| match self.object.bind(py).getattr_opt("restore")? {
+        Python::attach(|py| match self.object.bound(py)?.getattr_opt("restore")? {
             Some(restore) => restore.call1((PyBytes::new(py, bytes),)).map(drop),
             None => Ok(()),
         })
@@ -159,11 +193,11 @@ struct OwnPolicy(Partner);
 
 impl RobotPolicy for OwnPolicy {
     fn initial_mode(&self) -> Mode {
-        Python::attach(|py| initial_mode(self.0.object.bind(py)))
+        Python::attach(|py| self.0.object.bound(py).map_or(Mode::RobotLed, |object| initial_mode(&object)))
     }
 
     fn predicts(&self) -> bool {
-        Python::attach(|py| flag(self.0.object.bind(py), "predicts"))
+        Python::attach(|py| self.0.object.bound(py).is_ok_and(|object| flag(&object, "predicts")))
     }
 
     fn decide(&mut self, view: &RobotView<'_>) -> Decision {
@@ -249,7 +283,7 @@ impl Human for OwnHuman {
             return None;
         }
         let target = Python::attach(|py| {
-            let Some(hand) = object.bind(py).getattr_opt("hand")?.filter(|hand| hand.is_callable()) else {
+            let Some(hand) = object.bound(py)?.getattr_opt("hand")?.filter(|hand| hand.is_callable()) else {
                 return Ok(None);
             };
             let HandView { time, period, hand: at, wrench: felt, .. } = *view;
@@ -280,10 +314,10 @@ impl Human for OwnHuman {
 }
 
 /// The custom partners of an episode: None for the scenario's.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Own {
-    pub policy: Option<Py<PyAny>>,
-    pub human: Option<Py<PyAny>>,
+    pub policy: Option<Held>,
+    pub human: Option<Held>,
 }
 
 impl Own {
@@ -304,7 +338,7 @@ impl Own {
                     repr(given)
                 )));
             }
-            Ok(Some(object.unbind()))
+            Ok(Some(Held::new(object.unbind())))
         };
         Ok(Self { policy: one("policy", policy)?, human: one("human", human)? })
     }
@@ -313,23 +347,24 @@ impl Own {
         self.policy.is_none() && self.human.is_none()
     }
 
-    pub fn clone_ref(&self, py: Python<'_>) -> Self {
-        let one = |object: &Option<Py<PyAny>>| object.as_ref().map(|object| object.clone_ref(py));
-        Self { policy: one(&self.policy), human: one(&self.human) }
-    }
-
     /// Deep copies of them.
     pub fn copied(&self, py: Python<'_>) -> PyResult<Self> {
         let one =
-            |object: &Option<Py<PyAny>>| object.as_ref().map(|object| copy(object.bind(py))).transpose();
+            |held: &Option<Held>| held.as_ref().map(|held| copy(&held.bound(py)?).map(Held::new)).transpose();
         Ok(Self { policy: one(&self.policy)?, human: one(&self.human)? })
+    }
+
+    /// The partners, for Python's collector.
+    pub fn held(&self) -> impl Iterator<Item = &Held> {
+        self.policy.iter().chain(&self.human)
     }
 
     /// A log for a recording of an episode of theirs.
     pub fn log(&self, py: Python<'_>, fault: &Fault) -> Decisions {
-        let policy = self.policy.as_ref().map(|object| PolicyLog {
-            initial_mode: initial_mode(object.bind(py)),
-            predicts: flag(object.bind(py), "predicts"),
+        let policy = self.policy.as_ref().and_then(|held| held.bound(py).ok());
+        let policy = policy.map(|object| PolicyLog {
+            initial_mode: initial_mode(&object),
+            predicts: flag(&object, "predicts"),
             trial: fault.1.load(Ordering::Relaxed).then(Decision::follow),
             steps: Vec::new(),
         });

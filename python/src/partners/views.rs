@@ -1,5 +1,6 @@
 //! What custom policies and humans see.
 
+use crate::arguments;
 use crate::error::Error;
 use cocarry::coordination::{Mode, OptionTick};
 use cocarry::geometry::{PlanarPose, Point, Pose};
@@ -19,6 +20,10 @@ use std::sync::Arc;
 const SAGITTA_M: f64 = 1e-3;
 
 /// What both a custom policy and a custom human see at the beginning of a planning step.
+///
+/// Every quantity of ``quantities("option")`` is an attribute and an item: an array of one number for each
+/// option (NaN where missing), as ``view.objective_cost_m``; ``view.name`` is a list of names. ``len`` counts
+/// the options.
 #[pyclass(frozen, subclass, module = "cocarry._cocarry", name = "View")]
 pub struct PyView {
     pub(super) step: u64,
@@ -50,33 +55,38 @@ impl PyView {
 
 #[pymethods]
 impl PyView {
+    /// k, from 0.
     #[getter]
     fn step(&self) -> u64 {
         self.step
     }
+    /// Simulated time, s.
     #[getter]
     fn time_s(&self) -> f64 {
         self.time
     }
+    /// Position of the team, (2,), m.
     #[getter]
     fn position<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, self.position.coords.as_slice())
     }
+    /// The executed option; None before the first step.
     #[getter]
     fn executed(&self) -> Option<usize> {
         self.executed
     }
+    /// Who led in the last planning step: robot-led or human-led.
     #[getter]
     fn mode(&self) -> &'static str {
         self.mode.name()
     }
-    /// world_from_hand, (4, 4); on the physical plant only.
+    /// world_from_hand, (4, 4); the physical plant only.
     #[getter]
     fn hand<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         self.hand.as_ref().map(|pose| matrix(py, pose)).transpose()
     }
-    /// Mean wrench of the human on the object in the last planning step, world axes, N and Nm; physical plant
-    /// only.
+    /// Mean force (N) and torque (Nm) of the human on the object in the last planning step, (6,), world axes; the
+    /// physical plant only.
     #[getter]
     fn hand_wrench<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
         self.hand_wrench.as_ref().map(|wrench| PyArray1::from_slice(py, wrench))
@@ -104,7 +114,7 @@ fn matrix<'py>(py: Python<'py>, pose: &Pose) -> PyResult<Bound<'py, PyArray2<f64
     Ok(PyArray2::from_vec2(py, &rows)?)
 }
 
-/// What a custom policy sees at the beginning of a planning step.
+/// What a custom policy sees at the beginning of a planning step: that of View, and the robot.
 #[pyclass(frozen, extends = PyView, module = "cocarry", name = "RobotView")]
 pub struct PyRobotView {
     pub(super) prepared: Arc<PreparedScenario>,
@@ -120,8 +130,13 @@ pub struct PyRobotView {
 
 #[pymethods]
 impl PyRobotView {
-    /// The remaining path of an option (an index), (n, 2), m; None where no path leads on.
-    fn path<'py>(&self, py: Python<'py>, option: usize) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+    /// The remaining path of an option, (n, 2), m, from the team to the target; None where no path leads
+    /// on.
+    fn path<'py>(
+        &self,
+        py: Python<'py>,
+        #[pyo3(from_py_with = arguments::option)] option: usize,
+    ) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         let options = self.prepared.options();
         let count = options.options().len();
         if option >= count {
@@ -131,36 +146,40 @@ impl PyRobotView {
         let rows = points.map(|points| points.iter().map(|p| vec![p.x, p.y]).collect::<Vec<_>>());
         Ok(rows.map(|rows| PyArray2::from_vec2(py, &rows)).transpose()?)
     }
+    /// phi(k), eq. (5).
     #[getter]
     fn stubbornness(&self) -> f64 {
         self.stubbornness
     }
+    /// g(k), eq. (5).
     #[getter]
     fn discomfort(&self) -> f64 {
         self.discomfort
     }
+    /// The human's response to the robot's lead: follow, resist or take-over.
     #[getter]
     fn stance(&self) -> &'static str {
         stance_name(self.stance)
     }
-    /// Base x, y (m) and yaw (rad), then the joints (rad or m); None on the point plant.
+    /// Base x, y (m) and yaw (rad), then the joints (rad, prismatic m), (3 + joints,); None without a
+    /// robot.
     #[getter]
     fn configuration<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
         let (configuration, joints) = self.configuration.as_ref()?;
         Some(PyArray1::from_vec(py, configuration_vector(configuration, *joints)))
     }
-    /// world_from_grasp, (4, 4); None on the point plant.
+    /// world_from_grasp, (4, 4); None without a robot.
     #[getter]
     fn grasp<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         self.grasp.as_ref().map(|pose| matrix(py, pose)).transpose()
     }
-    /// world_from_object, (4, 4); on the physical plant only.
+    /// world_from_object, (4, 4), x from the robot's end to the human's; the physical plant only.
     #[getter]
     fn object<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         self.object.as_ref().map(|pose| matrix(py, pose)).transpose()
     }
-    /// Mean wrench of the robot on the object in the last planning step, world axes, N and Nm; physical plant
-    /// only.
+    /// Mean force (N) and torque (Nm) of the robot on the object in the last planning step, (6,), world axes; the
+    /// physical plant only.
     #[getter]
     fn grip_wrench<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
         self.grip_wrench.as_ref().map(|wrench| PyArray1::from_slice(py, wrench))
@@ -178,6 +197,7 @@ pub struct PyHandView {
 
 #[pymethods]
 impl PyHandView {
+    /// Simulated time, s.
     #[getter]
     fn time_s(&self) -> f64 {
         self.time
@@ -192,12 +212,12 @@ impl PyHandView {
     fn periods(&self) -> u32 {
         self.period[1]
     }
-    /// Position of the hand at the beginning of the planning step, without sway, m.
+    /// Position of the hand at the beginning of the planning step (x, y), without sway, m.
     #[getter]
     fn begun_at<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, self.hand[0].coords.as_slice())
     }
-    /// Position of the hand, without sway, m.
+    /// Position of the hand (x, y), without sway, m.
     #[getter]
     fn hand<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, self.hand[1].coords.as_slice())
@@ -209,7 +229,7 @@ impl PyHandView {
     }
 }
 
-/// What a custom human sees at the beginning of a planning step.
+/// What a custom human sees at the beginning of a planning step: that of View, and what only the human knows.
 #[pyclass(frozen, extends = PyView, module = "cocarry", name = "HumanView")]
 pub struct PyHumanView {
     pub(super) prospects: Vec<Prospect>,
@@ -219,23 +239,31 @@ pub struct PyHumanView {
 
 #[pymethods]
 impl PyHumanView {
+    /// c_r, m.
     #[getter]
     fn risk_weight_m(&self) -> f64 {
         self.risk_weight
     }
+    /// The episode's seed.
     #[getter]
     fn seed(&self) -> u64 {
         self.seed
     }
-    /// J^ of every option with this alpha and gamma, eq. (2).
-    fn subjective_cost<'py>(&self, py: Python<'py>, alpha: f64, gamma: f64) -> Bound<'py, PyArray1<f64>> {
+    /// J^ of every option with this alpha and gamma, eq. (2), cost units.
+    fn subjective_cost<'py>(
+        &self,
+        py: Python<'py>,
+        #[pyo3(from_py_with = arguments::alpha)] alpha: f64,
+        #[pyo3(from_py_with = arguments::gamma)] gamma: f64,
+    ) -> Bound<'py, PyArray1<f64>> {
         let perception = Perception { alpha, gamma };
         PyArray1::from_iter(
             py,
             self.prospects.iter().map(|p| subjective_cost(*p, self.risk_weight, perception)),
         )
     }
-    /// The Gumbel disturbances that the episode's seed draws, one per option.
+    /// The Gumbel disturbances that the episode's seed draws for the built-in Boltzmann human, one per
+    /// option.
     fn gumbel<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_vec(py, cocarry::human::disturbances(self.seed, self.prospects.len()))
     }
