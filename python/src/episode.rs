@@ -14,8 +14,8 @@ use cocarry_recording::recording::{self, Ending, FileRecorder, Recorder};
 use numpy::PyArray1;
 use pyo3::exceptions::{PyKeyError, PyStopIteration};
 use pyo3::prelude::*;
-use pyo3::{PyTraverseError, PyVisit};
 use pyo3::types::{PyBytes, PyDict};
+use pyo3::{PyTraverseError, PyVisit};
 use self_cell::self_cell;
 use std::io::Cursor;
 use std::path::PathBuf;
@@ -451,7 +451,11 @@ impl Episode {
     /// The 3-D player of the episode so far, as one page. Runs the episode again, as ``recording`` does.
     ///
     #[pyo3(signature = (title = "episode"))]
-    fn to_html(&self, py: Python<'_>, #[pyo3(from_py_with = arguments::title)] title: &str) -> PyResult<String> {
+    fn to_html(
+        &self,
+        py: Python<'_>,
+        #[pyo3(from_py_with = arguments::title)] title: &str,
+    ) -> PyResult<String> {
         self.page(py, title)
     }
 

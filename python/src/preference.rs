@@ -8,9 +8,9 @@ use cocarry::preference::{
     ChoiceDistribution, Perception, Predictor, Prospect, Regions, human_choice, objective_cost,
     subjective_cost,
 };
+use cocarry::saved::Saved;
 use cocarry::scenario::PERCEPTION;
 use numpy::{PyArray1, PyArray2};
-use cocarry::saved::Saved;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 

@@ -51,10 +51,7 @@ pub fn framed(page: &str) -> String {
 
 /// Opens a recording (MCAP). Raises RecordingError with the file, the place and what would be right.
 #[pyfunction]
-pub fn read(
-    py: Python<'_>,
-    #[pyo3(from_py_with = arguments::file)] file: PathBuf,
-) -> PyResult<Recording> {
+pub fn read(py: Python<'_>, #[pyo3(from_py_with = arguments::file)] file: PathBuf) -> PyResult<Recording> {
     let contents = py.detach(|| Contents::read(&mut Reader::open(&file)?));
     Ok(Recording { contents: contents.map_err(|error| refused(&error))?, file })
 }

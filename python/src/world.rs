@@ -100,7 +100,10 @@ impl World {
 
     /// The names of its options: the openings in the order in which they are passed.
     #[pyo3(signature = (risk_weight_m = RISK_WEIGHT))]
-    fn options(&self, #[pyo3(from_py_with = arguments::risk_weight)] risk_weight_m: f64) -> PyResult<Vec<String>> {
+    fn options(
+        &self,
+        #[pyo3(from_py_with = arguments::risk_weight)] risk_weight_m: f64,
+    ) -> PyResult<Vec<String>> {
         Ok(self.option_set(risk_weight_m)?.options().iter().map(|option| option.name.clone()).collect())
     }
 

@@ -147,12 +147,18 @@ fn a_residual_is_added_to_the_built_in_controller_within_the_limits() {
         let prepared = prepared(plant, "preference");
         let builder = || prepared.builder().unwrap_or_else(|e| panic!("{e}"));
         let of = |added: InputVector| builder().with_policy(Adds(added)).begin().expect("room");
-        assert!(ticks(of(InputVector::zeros())) == ticks(builder().begin().expect("room")), "{name}: nothing added");
+        assert!(
+            ticks(of(InputVector::zeros())) == ticks(builder().begin().expect("room")),
+            "{name}: nothing added"
+        );
 
         let (mut small, mut built_in) = (of(InputVector::repeat(1e-3)), builder().begin().expect("room"));
         assert_eq!((built_in.begin_step(), small.begin_step()), (None, None));
         let told = built_in.controllers_command().expect("a robot");
-        assert!(built_in.controllers_command().is_some_and(|again| again.input == told.input), "asking changes nothing");
+        assert!(
+            built_in.controllers_command().is_some_and(|again| again.input == told.input),
+            "asking changes nothing"
+        );
         assert_eq!((built_in.step(), small.step()), (None, None));
         let input = |episode: &Episode| episode.tick().robot.expect("a robot").input;
         assert_eq!(told.input, input(&built_in), "{name}: what it was about to do");

@@ -139,7 +139,8 @@ impl Lane {
             Ok(mut made) => {
                 made.with_dependent_mut(|prepared, running| {
                     let bound = rules.bound(prepared);
-                    running.outcome = rules.begin(prepared, &mut running.episode, bound.as_ref(), observation);
+                    running.outcome =
+                        rules.begin(prepared, &mut running.episode, bound.as_ref(), observation);
                     self.bound = bound;
                     if rules.tells_built_in {
                         self.built_in = rules.built_in(prepared, &running.episode);

@@ -66,11 +66,13 @@ impl Lanes {
     /// The index of a world that is given by it or by its name.
     fn world_of(&self, given: &Bound<'_, PyAny>) -> PyResult<usize> {
         let bases = &self.rules.bases;
-        let titled = |base: &PreparedScenario, name: &str| world_name(base) == name || base.world().name == name;
+        let titled =
+            |base: &PreparedScenario, name: &str| world_name(base) == name || base.world().name == name;
         let found = match given.extract::<String>() {
-            Ok(name) => bases.iter().position(|base| titled(base, &name)).ok_or_else(|| {
-                suggestion::hint(&name, bases.iter().map(|base| world_name(base)))
-            }),
+            Ok(name) => bases
+                .iter()
+                .position(|base| titled(base, &name))
+                .ok_or_else(|| suggestion::hint(&name, bases.iter().map(|base| world_name(base)))),
             Err(_) => arguments::argument::<usize>("world", "", given)
                 .ok()
                 .filter(|index| *index < bases.len())
@@ -292,7 +294,9 @@ impl Lanes {
         check_perception(alpha, gamma)?;
         let count = self.lock()?.len();
         if mask.as_ref().is_some_and(|mask| mask.len() != count) {
-            return Err(Error::new_err(format!("reset_mask must have {count} flags, one for each environment")));
+            return Err(Error::new_err(format!(
+                "reset_mask must have {count} flags, one for each environment"
+            )));
         }
         let wish = Wish { world, seed, alpha, gamma };
         self.each(py, &[], |rules, i, lane, _, observation| {
@@ -426,7 +430,8 @@ impl Lanes {
         if actions.iter().any(|action| action.len() != width) {
             return Err(ActionError::new_err(format!("every action must have {width} numbers")));
         }
-        let recorded = py.detach(|| guarded(|| replay::recording(&self.rules, self.period, prepared, &actions)));
+        let recorded =
+            py.detach(|| guarded(|| replay::recording(&self.rules, self.period, prepared, &actions)));
         Ok(PyBytes::new(py, &recorded?.map_err(RecordingError::new_err)?))
     }
 

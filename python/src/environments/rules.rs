@@ -230,7 +230,8 @@ impl Rules {
             _ => {
                 let mut u = InputVector::zeros();
                 (0..self.limits.len()).for_each(|i| u[i] = scaled(i));
-                let motion = if self.task == Task::Residual { Motion::Residual(u) } else { Motion::Inputs(u) };
+                let motion =
+                    if self.task == Task::Residual { Motion::Residual(u) } else { Motion::Inputs(u) };
                 decision.with_motion(motion)
             }
         }
@@ -240,14 +241,17 @@ impl Rules {
     /// with the rates of eq. (8). Zeros once the episode is over.
     pub(super) fn built_in(&self, prepared: &PreparedScenario, episode: &Episode) -> BuiltIn {
         let count = prepared.robot().map_or(0, |robot| robot.drive.inputs() + robot.joint_count());
-        let u = episode.controllers_command().map_or_else(InputVector::zeros, |Command { rates, input, .. }| rates + input);
+        let u = episode
+            .controllers_command()
+            .map_or_else(InputVector::zeros, |Command { rates, input, .. }| rates + input);
         let inputs = u.as_slice()[..count].to_vec();
         let physical = match self.task {
             Task::Residual => vec![0.0; count],
             Task::Reference => self.grasp_velocity(prepared, episode, &u),
             _ => inputs.clone(),
         };
-        let action = physical.iter().zip(&self.limits).map(|(number, limit)| (number / limit).clamp(-1.0, 1.0));
+        let action =
+            physical.iter().zip(&self.limits).map(|(number, limit)| (number / limit).clamp(-1.0, 1.0));
         BuiltIn { action: action.collect(), inputs }
     }
 

@@ -97,8 +97,7 @@ impl super::Lanes {
     /// Restores what [`Lanes::save`](super::Lanes::save) returned.
     pub(super) fn restore(&self, py: Python<'_>, bytes: &[u8]) -> PyResult<()> {
         let invalid = || SnapshotError::new_err("the state of an environment is not valid");
-        let states: Vec<LaneState> =
-            Saved::from_bytes(bytes).read("environment").map_err(|_| invalid())?;
+        let states: Vec<LaneState> = Saved::from_bytes(bytes).read("environment").map_err(|_| invalid())?;
         let count = self.lock()?.len();
         let size = self.rules.numbers().len();
         if states.len() != count || states.iter().any(|state| state.observation.len() != size) {
