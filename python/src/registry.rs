@@ -59,7 +59,7 @@ impl CustomPolicies for Registered {
             Own::of(Some(&policy), None)?.copied(py)
         })?;
         let fault = self.fault.clone();
-        let partners = Python::attach(|py| own.clone_ref(py)).partners(prepared, &fault);
+        let partners = own.clone().partners(prepared, &fault);
         let episode = prepared.episode_of(partners)?;
         // after the trial of the first step, which it tells of
         Ok((episode, Python::attach(|py| own.log(py, &fault))))

@@ -128,7 +128,7 @@ pub fn belief_of(alpha: &str, gamma: &str, samples: Option<&Bound<'_, PyAny>>) -
     let expected = "an array of shape (n, 2) or (n, 3): alpha, gamma and the weight";
     // lists and other numbers too
     let rows = samples.py().import("numpy")?.call_method1("asarray", (samples, "float64"));
-    let Ok(rows) = rows.and_then(|rows| Ok(rows.extract::<PyReadonlyArray2<'_, f64>>()?)) else {
+    let Ok(rows) = rows.and_then(|rows| rows.extract::<PyReadonlyArray2<'_, f64>>()) else {
         return Err(refused("belief_samples", repr(samples), expected));
     };
     let samples = rows.as_array();

@@ -29,8 +29,8 @@ type GivenPartner = (String, Option<String>, Option<Py<PyAny>>);
 /// The custom policies and humans of a study, by their place in its lists.
 #[derive(Default)]
 struct Objects {
-    policies: Vec<Option<Py<PyAny>>>,
-    humans: Vec<Option<Py<PyAny>>>,
+    policies: Vec<Option<Held>>,
+    humans: Vec<Option<Held>>,
 }
 
 /// Splits policies and humans into what the study knows of them, and their objects.
@@ -40,7 +40,7 @@ fn split(policies: Vec<GivenPartner>, humans: Vec<GivenPartner>) -> PyResult<(Pa
         Python::attach(|py| Own::of(object.as_ref().map(|object| object.bind(py)), None))
             .map(|own| own.policy)
     };
-    let part = |given: Vec<GivenPartner>| -> PyResult<(Vec<Partner>, Vec<Option<Py<PyAny>>>)> {
+    let part = |given: Vec<GivenPartner>| -> PyResult<(Vec<Partner>, Vec<Option<Held>>)> {
         let partner = |(name, code, object): GivenPartner| match code {
             Some(code) => Ok((Partner::Custom { name, code }, made(object)?)),
             None => Ok((Partner::BuiltIn(name), None)),
@@ -64,9 +64,7 @@ impl Maker<'_> {
     /// Copies of the partners of an episode.
     fn copied(&self, custom: Custom) -> PyResult<Own> {
         Python::attach(|py| {
-            let one = |list: &[Option<Py<PyAny>>], at: Option<usize>| {
-                list.get(at?)?.as_ref().map(|object| object.clone_ref(py))
-            };
+            let one = |list: &[Option<Held>], at: Option<usize>| list.get(at?)?.clone();
             let (policy, human) = (&self.objects.policies, &self.objects.humans);
             Own { policy: one(policy, custom.policy), human: one(human, custom.human) }.copied(py)
         })

@@ -216,7 +216,7 @@ fn a_mass_without_an_inertia_has_that_of_a_ball() {
     let link = robot.links.iter().find(|link| link.name == "gripper_link").expect("the link");
     let body = link.inertial.expect("a body");
     // 1.3 kg of water: a ball of 6.77 cm radius
-    let radius = (3.0 * body.mass / (4.0 * std::f64::consts::PI * 1000.0)).cbrt();
+    let radius = cocarry::math::pow(3.0 * body.mass / (4.0 * std::f64::consts::PI * 1000.0), 1.0 / 3.0);
     assert!((body.inertia[(0, 0)] - 0.4 * body.mass * radius * radius).abs() < 1e-12);
     assert!((radius - 0.0677).abs() < 1e-4);
     let mass = "<mass value=\"1.3\"/>";

@@ -86,8 +86,8 @@ fn a_step_that_has_begun_goes_on_with_the_same_bits() {
         settings: Settings { learning: Some(Default::default()), ..scenario.settings },
         ..scenario
     };
-    let plain = plants().map(|plant| scenario(plant, Method::default()));
-    let learns = learning(scenario(Plant::Point, Method::default()));
+    let plain = plants().map(|plant| scenario(plant, Method::MUTUAL));
+    let learns = learning(scenario(Plant::Point, Method::MUTUAL));
     for scenario in plain.into_iter().chain([learns]) {
         let name = (scenario.plant.name(), scenario.settings.learning.is_some());
         let of_whole = prepared(scenario);

@@ -62,7 +62,7 @@ pub(super) fn run_compare(arguments: &CompareArguments) -> Result<ExitCode, Fail
     if let Some(path) = output {
         write_file(&outputs, path, table.csv())?;
     }
-    summary.notes.iter().for_each(|text| note(text));
+    summary.notes.iter().for_each(note);
     if *json {
         print_json(&json!({ "files": names, "comparisons": table.json(), "notes": table.notes }))?;
     } else {

@@ -61,7 +61,7 @@ pub(super) fn run_plot(arguments: &PlotArguments) -> Result<ExitCode, Failure> {
     };
     let files: Vec<Results> = results.iter().map(|file| Results::File(file)).collect();
     let (svg, notes) = picture(&files, quantity, &drawn).map_err(input)?;
-    notes.iter().for_each(|text| note(text));
+    notes.iter().for_each(note);
     write_file(&outputs, output, &svg)?;
     print(&format!("wrote {}\n", output.display()))?;
     Ok(ExitCode::SUCCESS)

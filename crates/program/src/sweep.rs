@@ -178,7 +178,7 @@ fn shard(text: &str) -> Result<Shard, String> {
 /// Prints the tables of a file of results.
 pub(super) fn print_summary(file: &Path, title: &str, as_json: bool) -> Result<(), Failure> {
     let summary = Summary::load(&[Results::File(file)], &Comparing::default()).map_err(failure)?;
-    summary.notes.iter().for_each(|text| note(text));
+    summary.notes.iter().for_each(note);
     if as_json {
         let value = serde_json::to_value(&summary).map_err(|e| Failure::Output(Error::from(e)))?;
         return print_json(&json!({ "file": file.display().to_string(), "summary": value }));

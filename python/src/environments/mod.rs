@@ -451,9 +451,9 @@ impl Lanes {
         &self,
         py: Python<'py>,
         index: usize,
-    ) -> PyResult<Option<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)>> {
+    ) -> PyResult<Option<[Bound<'py, PyArray1<f64>>; 2]>> {
         let told = self.lane(index, |lane| Ok(self.rules.tells_built_in.then(|| lane.built_in.clone())))?;
-        Ok(told.map(|told| (PyArray1::from_vec(py, told.action), PyArray1::from_vec(py, told.inputs))))
+        Ok(told.map(|told| [told.action, told.inputs].map(|numbers| PyArray1::from_vec(py, numbers))))
     }
 
     /// N and m of a lane's episode: the most steps that it takes, and the most that a step costs. None without a price

@@ -343,10 +343,6 @@ impl Own {
         Ok(Self { policy: one("policy", policy)?, human: one("human", human)? })
     }
 
-    pub fn is_empty(&self) -> bool {
-        self.policy.is_none() && self.human.is_none()
-    }
-
     /// Deep copies of them.
     pub fn copied(&self, py: Python<'_>) -> PyResult<Self> {
         let one =

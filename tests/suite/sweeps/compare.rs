@@ -146,8 +146,10 @@ fn any_input_is_compared_and_humans_count_once() {
     assert_eq!((&all["pairs"], &all["arrived_both"]), (&6.into(), &24.into()));
     let rows = bench.rows("a.csv");
     let cost = |row: &Row| row["accumulated_objective_cost_m"].parse::<f64>().expect("a number");
-    let of = |method: &str| rows.iter().filter(move |row| row["method"] == method && row["humans"] == "all");
-    let mean = (of("mutual").map(cost).sum::<f64>() - of("without-model").map(cost).sum::<f64>()) / 24.0;
+    let sum_of = |method: &str| -> f64 {
+        rows.iter().filter(|row| row["method"] == method && row["humans"] == "all").map(cost).sum()
+    };
+    let mean = (sum_of("mutual") - sum_of("without-model")) / 24.0;
     let found = all["difference"].as_f64().expect("a number");
     assert!((found - mean).abs() < 1e-9 * mean.abs().max(1.0), "{found} {mean}");
     refused(&bench, &["a.csv", "--by", "metod"], "did you mean `method`?");

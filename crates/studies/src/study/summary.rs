@@ -427,9 +427,8 @@ impl<'a> SummaryReader<'a> {
     fn end_of_seed(&mut self) -> Result<(), SweepError> {
         let mut ends = std::mem::take(&mut self.ends);
         ends.sort_by_key(|end| end.cell);
-        let mut ends = ends.into_iter().peekable();
         let mut once: Vec<End> = Vec::new();
-        while let Some(end) = ends.next() {
+        for end in ends {
             match once.last().filter(|last| last.cell == end.cell) {
                 None => once.push(end),
                 Some(last) if last.is_equal(&end) => self.repeated += 1,
