@@ -80,7 +80,7 @@ fn a_world_is_read_from_standard_input() {
         assert_eq!(found, expected);
     }
     for (input, said) in [
-        (b"name = ".to_vec(), "standard input:1"),
+        (b"name = ".to_vec(), "standard input: not a valid world file: TOML parse error at line 1, column 8"),
         (Vec::new(), "standard input"),
         (vec![b'#'; 80 << 20], "standard input: cannot be read: larger than"),
         (b"\xff".to_vec(), "standard input: cannot be read"),

@@ -84,7 +84,7 @@ fn a_check_reports_to_servers() {
     assert!(serde_json::from_slice::<serde_json::Value>(&output.stdout).is_ok());
     let annotation = said.lines().next().expect("an annotation");
     assert!(
-        annotation.starts_with("::error file=") && annotation.contains(",line=3,title=a <b>%2C 50 %25::"),
+        annotation.starts_with("::error file=") && annotation.contains(",line=4,title=a <b>%2C 50 %25::"),
         "{said}"
     );
     assert!(

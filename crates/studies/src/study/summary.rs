@@ -199,7 +199,8 @@ struct Origins {
     unchecked: u64,
     /// Number of episodes by digest of the study, in the order of appearance.
     studies: Vec<(String, u64)>,
-    arithmetics: Vec<String>,
+    /// That of the first row, and of all others.
+    arithmetic: Option<String>,
     /// The identity of the row before.
     last: Option<Identity>,
 }
@@ -207,16 +208,13 @@ struct Origins {
 impl Origins {
     /// Adds a row; whether it is the next of the same study, or the first.
     fn add(&mut self, identity: Identity) -> bool {
-        let is_next = self.last.as_ref().is_none_or(|last| {
-            (&last.study, &last.arithmetic, last.episode + 1)
-                == (&identity.study, &identity.arithmetic, identity.episode)
-        });
+        let is_next = self
+            .last
+            .as_ref()
+            .is_none_or(|last| (&last.study, last.episode + 1) == (&identity.study, identity.episode));
         self.rows += 1;
         if !self.studies.iter().any(|(study, _)| *study == identity.study) {
             self.studies.push((identity.study.clone(), identity.episodes));
-        }
-        if !self.arithmetics.contains(&identity.arithmetic) {
-            self.arithmetics.push(identity.arithmetic.clone());
         }
         self.last = Some(identity);
         is_next
@@ -232,12 +230,6 @@ impl Origins {
         }
         if repeated > 0 {
             notes.push(format!("{repeated} rows repeat others, and count once"));
-        }
-        if self.arithmetics.len() > 1 {
-            notes.push(format!(
-                "the rows were calculated with different arithmetic ({}): last bits of their results may differ",
-                self.arithmetics.join(", ")
-            ));
         }
         notes
     }
@@ -266,6 +258,15 @@ impl Summary {
         for (file, results) in results.iter().enumerate() {
             let mut rows = Rows::of(*results)?;
             while let Some(identity) = rows.next()? {
+                let first = origins.arithmetic.get_or_insert_with(|| identity.arithmetic.clone());
+                if *first != identity.arithmetic {
+                    return Err(SweepError::other_arithmetic(
+                        format!("{}: {}", rows.file, rows.position()),
+                        identity.arithmetic,
+                        "the first row".to_owned(),
+                        first.clone(),
+                    ));
+                }
                 if !origins.add(identity) && in_order {
                     return Ok(None);
                 }
