@@ -41,6 +41,8 @@ const TOOLS: [&str; 16] = [
     "flange",
     "wrist",
 ];
+/// The number of those that nothing else is named by.
+const SURE_TOOLS: usize = 6;
 /// The rank of an end with fingers whose name says nothing: that of a hand.
 const HAND: usize = 9;
 /// Words in the names of links at an arm's end that do not hold an object.
@@ -140,6 +142,13 @@ pub(super) fn is_no_tool(name: &str) -> bool {
     says(name, &NO_TOOLS)
 }
 
+/// How much a link's name is a tool's; less is likelier.
+fn tool_rank(link: &Link) -> usize {
+    let name = link.name.to_lowercase();
+    let is_named = |part: &str| if part.len() > 3 { name.contains(part) } else { says(&name, &[part]) };
+    TOOLS.iter().position(|part| is_named(part)).unwrap_or(TOOLS.len())
+}
+
 /// The arms that descend from a base, the likeliest first; `wheels` and what they carry are none.
 pub(super) fn arms(links: &[Link], poses: &[Pose], base: usize, wheels: &[usize]) -> Vec<Arm> {
     let tree = Tree::new(links, poses, base, wheels);
@@ -231,9 +240,10 @@ impl<'a> Tree<'a> {
             return false;
         }
         let opens = says(&joint.name, &GRIPPERS) && !says(&joint.name, &WRISTS);
-        // a part that mimics a joint above it keeps a wrist level
+        // a part that mimics a joint above it keeps a wrist level, unless the tool is beside it
         let is_above = |name: &str| upward(self.links, i).any(|at| joint_name(self.links, at) == name);
-        let mimics = joint.mimic.as_ref().is_some_and(|mimic| !is_above(&mimic.joint));
+        let is_part = |name: &str| !is_above(name) || self.is_beside_tool(i);
+        let mimics = joint.mimic.as_ref().is_some_and(|mimic| is_part(&mimic.joint));
         if link_says(self.links, i, &FINGERS) || opens || mimics {
             return true;
         }
@@ -245,6 +255,14 @@ impl<'a> Tree<'a> {
         };
         let parts: Vec<usize> = (0..self.links.len()).filter(|&j| is_beside(j)).collect();
         above > MIN_ABOVE_FINGERS && parts.len() >= 2 && parts.iter().all(|&j| self.is_short(j))
+    }
+
+    /// Whether a link that is a tool by its name is rigid with the link that carries this one.
+    fn is_beside_tool(&self, i: usize) -> bool {
+        let links = self.links;
+        let hand = carrier(links, self.base, links[i].parent.unwrap_or(i));
+        let is_rigid = |j: usize| j != hand && carrier(links, self.base, j) == hand;
+        (0..links.len()).any(|j| is_rigid(j) && tool_rank(&links[j]) < SURE_TOOLS)
     }
 
     /// Whether all frames that a link carries are near its joint.
@@ -260,12 +278,7 @@ impl<'a> Tree<'a> {
         let is_rigid = |i: usize| !self.is_out[i] && carrier(links, self.base, i) == end;
         let is_hand =
             (end + 1..links.len()).any(|i| self.is_out[i] && is_within(links, i, end) && self.is_part(i));
-        let rank = |i: usize| {
-            let name = links[i].name.to_lowercase();
-            let is_named =
-                |part: &str| if part.len() > 3 { name.contains(part) } else { says(&name, &[part]) };
-            TOOLS.iter().position(|part| is_named(part)).unwrap_or(TOOLS.len())
-        };
+        let rank = |i: usize| tool_rank(&links[i]);
         let parts = (end..links.len()).filter(|&i| is_rigid(i) && (i == end || !is_no_tool(&links[i].name)));
         let best = parts.clone().min_by_key(|&i| (rank(i), i)).unwrap_or(end);
         if rank(best) < TOOLS.len() {

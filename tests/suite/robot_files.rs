@@ -267,7 +267,7 @@ fn a_base_that_cannot_be_expressed_is_refused_by_name() {
         "<joint name=\"left_wheel_joint\" type=\"continuous\">",
         "<joint name=\"left_wheel_joint\" type=\"fixed\">",
     );
-    refused(fixed, &["no pair of driven wheels", "`right_wheel_joint`"]);
+    refused(fixed, &["no pair of driven wheels", "`left_wheel_joint` is fixed"]);
     let wheel = |side: &str, y: &str| {
         format!(
             "<link name=\"rear_{side}\"/><joint name=\"rear_{side}_joint\" type=\"continuous\">\
