@@ -93,7 +93,7 @@ fn rows_that_another_program_wrote_are_read_and_changed_ones_refused() {
         &bench,
         "frame.csv",
         &header,
-        &changed("eta", &|eta| format!("{:.1}", eta.parse::<f64>().unwrap())),
+        &changed("eta", &|eta| eta.parse::<f64>().map_or(String::new(), |eta| format!("{eta:.1}"))),
     );
     let output = compare(&bench, &["frame.csv"]);
     assert_eq!(compared(&bench, &["frame.csv"]), expected);

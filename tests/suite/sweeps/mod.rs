@@ -385,7 +385,7 @@ seeds = { first = 2, last = 5 }
     assert_eq!(cells[5..8], ["2 mutual 15", "2 without-model 5", "3 mutual 5"]);
     assert_eq!(cells[10..], ["4 without-model 5", "5 without-model 5"]);
     // two seeds in common
-    assert!(told.lines().any(|l| l.contains("mutual - without-model") && l.contains("   2   ")), "{told}");
+    assert!(told.lines().any(|l| l.contains("mutual - without-model") && l.contains("  2  ")), "{told}");
 }
 
 /// Worlds and robots lie next to the study, wherever it is run from, and the rows do not depend on that.
