@@ -87,6 +87,7 @@ pub struct Comparison {
 }
 
 /// The state of a combination while rows are read.
+#[derive(Clone)]
 struct Cell {
     inputs: Vec<String>,
     n: u64,
@@ -99,7 +100,13 @@ struct Cell {
     classes: Vec<usize>,
     /// The first combination that differs in nothing but what is averaged over.
     condition: usize,
+    /// Its first episode.
+    first: Origin,
 }
+
+/// Where an episode is from: the file, the study, and its number in that study. Their order is that of
+/// combinations, in whatever order another program left the rows.
+type Origin = (u32, usize, u64);
 
 /// Whether the humans so far make the same choices.
 #[derive(Clone, Default)]
@@ -206,18 +213,21 @@ struct Origins {
 }
 
 impl Origins {
-    /// Adds a row; whether it is the next of the same study, or the first.
-    fn add(&mut self, identity: Identity) -> bool {
+    /// Adds a row; its study and number there, and whether it is the next of the same study, or the first.
+    fn add(&mut self, identity: Identity) -> (usize, u64, bool) {
         let is_next = self
             .last
             .as_ref()
             .is_none_or(|last| (&last.study, last.episode + 1) == (&identity.study, identity.episode));
         self.rows += 1;
-        if !self.studies.iter().any(|(study, _)| *study == identity.study) {
+        let known = self.studies.iter().position(|(study, _)| *study == identity.study);
+        let study = known.unwrap_or_else(|| {
             self.studies.push((identity.study.clone(), identity.episodes));
-        }
+            self.studies.len() - 1
+        });
+        let episode = identity.episode;
         self.last = Some(identity);
-        is_next
+        (study, episode, is_next)
     }
 
     fn notes(&self, repeated: u64) -> Vec<String> {
@@ -267,11 +277,12 @@ impl Summary {
                         first.clone(),
                     ));
                 }
-                if !origins.add(identity) && in_order {
+                let (study, episode, is_next) = origins.add(identity);
+                if in_order && !is_next {
                     return Ok(None);
                 }
                 let fields = rows.checked_fields()?;
-                reader.add(&fields, (file as u32, rows.position()), in_order)?;
+                reader.add(&fields, rows.position(), (file as u32, study, episode), in_order)?;
                 reader.check(&rows)?;
             }
             rows.check_all()?;
@@ -335,15 +346,17 @@ impl<'a> SummaryReader<'a> {
     fn add(
         &mut self,
         fields: &csv::StringRecord,
-        place: (u32, Position),
+        position: Position,
+        origin: Origin,
         in_order: bool,
     ) -> Result<(), SweepError> {
+        let place = (origin.0, position);
         let seed = self.seed(&fields[self.places.seed], place)?;
         if in_order && self.ends.last().is_some_and(|last| last.seed != seed) {
             self.end_of_seed()?;
         }
         let inputs = self.places.inputs.clone().map(|i| fields[i].to_owned()).collect();
-        let cell = self.cell(inputs, &fields[self.places.plant] == row::with_bodies());
+        let cell = self.cell(inputs, &fields[self.places.plant] == row::with_bodies(), origin);
         let value = |&i: &usize| fields[i].parse::<f64>().ok().filter(|value| value.is_finite());
         let values = self.places.values.iter().map(|i| value(i).unwrap_or(f64::NAN)).collect();
         let choices: Vec<&str> = self.places.choices.iter().map(|&i| &fields[i]).collect();
@@ -365,8 +378,10 @@ impl<'a> SummaryReader<'a> {
         SweepError::row(position, self.names[file as usize].clone(), found, expected.to_owned())
     }
 
-    fn cell(&mut self, inputs: Vec<String>, is_noisy: bool) -> usize {
+    fn cell(&mut self, inputs: Vec<String>, is_noisy: bool, origin: Origin) -> usize {
         if let Some(&known) = self.known.get(&inputs) {
+            let first = &mut self.cells[known].first;
+            *first = origin.min(*first);
             return known;
         }
         let without = |is_left_out: &dyn Fn(&str) -> bool| -> Vec<String> {
@@ -391,6 +406,7 @@ impl<'a> SummaryReader<'a> {
             is_noisy,
             classes,
             condition,
+            first: origin,
         });
         self.known.insert(inputs, this);
         this
@@ -409,8 +425,23 @@ impl<'a> SummaryReader<'a> {
         }
     }
 
+    /// Numbers combinations by their first episodes.
+    fn renumber(&mut self) {
+        let mut order: Vec<usize> = (0..self.cells.len()).collect();
+        order.sort_by_key(|&cell| self.cells[cell].first);
+        let mut numbers = vec![0; order.len()];
+        order.iter().enumerate().for_each(|(to, &from)| numbers[from] = to);
+        self.cells = order.iter().map(|&from| self.cells[from].clone()).collect();
+        let mut conditions = BTreeMap::new();
+        for (to, cell) in self.cells.iter_mut().enumerate() {
+            cell.condition = *conditions.entry(cell.condition).or_insert(to);
+        }
+        self.ends.iter_mut().for_each(|end| end.cell = numbers[end.cell]);
+    }
+
     /// Pairs all episodes that are left.
     fn end(&mut self) -> Result<(), SweepError> {
+        self.renumber();
         let mut ends = std::mem::take(&mut self.ends);
         ends.sort_by_key(|end| end.seed);
         for seed in ends.chunk_by(|a, b| a.seed == b.seed) {
