@@ -1,7 +1,7 @@
 //! The text of a URDF's file: its encoding, and the recognition of files that are something else.
 
 use crate::bounds;
-use encoding_rs::{Encoding, UTF_8, UTF_16BE, UTF_16LE};
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// The beginning of a Git LFS pointer.
@@ -34,8 +34,9 @@ const ROOTS: [(&str, &str); 9] = [
 const SDF: &str = "is an SDF of Gazebo, not a URDF; use the URDF or xacro that it was made from, or convert it (ROS has sdformat_urdf)";
 const MJCF: &str = "is an MJCF of MuJoCo, not a URDF; use the URDF that it was made from, or convert it (PyPI has mjcf-urdf-simple-converter)";
 
-/// The text of a file's bytes, in UTF-8 as its declaration then says. It is decoded as its byte order mark or
-/// its declaration says; bytes that are not of the encoding become U+FFFD.
+/// The text of a file's bytes, in UTF-8 as its declaration then says: of UTF-8, UTF-16 or Latin-1, as its byte
+/// order mark or its declaration says. Of any other encoding the characters of ASCII are read; these and bytes
+/// that are not of the declared encoding become U+FFFD.
 ///
 /// # Errors
 /// What the file is instead, as a sentence without the file.
@@ -43,7 +44,7 @@ pub(super) fn decoded(bytes: &[u8]) -> Result<String, String> {
     if let Some((_, what)) = BINARIES.iter().find(|(magic, _)| bytes.starts_with(magic)) {
         return Err((*what).to_owned());
     }
-    let (text, _, _) = encoding(bytes)?.decode(bytes);
+    let text = characters(bytes);
     if text.contains('\0') {
         return Err("is binary, not a URDF".to_owned());
     }
@@ -57,22 +58,37 @@ pub(super) fn decoded(bytes: &[u8]) -> Result<String, String> {
     Ok(text)
 }
 
-/// The encoding of a file that has no byte order mark, or of one that has.
-fn encoding(bytes: &[u8]) -> Result<&'static Encoding, String> {
+/// The characters of a file, by its byte order mark, or its first character, or the encoding that it declares.
+fn characters(bytes: &[u8]) -> Cow<'_, str> {
     match bytes {
-        [b'<', 0, ..] => return Ok(UTF_16LE),
-        [0, b'<', ..] => return Ok(UTF_16BE),
-        _ => {}
+        [0xef, 0xbb, 0xbf, rest @ ..] => String::from_utf8_lossy(rest),
+        [0xff, 0xfe, rest @ ..] => sixteen(rest, u16::from_le_bytes),
+        [0xfe, 0xff, rest @ ..] => sixteen(rest, u16::from_be_bytes),
+        [b'<', 0, ..] => sixteen(bytes, u16::from_le_bytes),
+        [0, b'<', ..] => sixteen(bytes, u16::from_be_bytes),
+        _ => match label(bytes).map(|label| bytes[label].to_ascii_lowercase()).as_deref() {
+            // a declaration that can be read is not in UTF-16
+            None | Some(b"utf-8" | b"utf8" | b"utf-16" | b"utf16" | b"utf-16le" | b"utf-16be") => {
+                String::from_utf8_lossy(bytes)
+            }
+            Some(b"iso-8859-1" | b"iso8859-1" | b"iso_8859-1" | b"latin1" | b"latin-1" | b"windows-1252") => {
+                bytes
+                    .iter()
+                    .map(|byte| if (0x80..0xa0).contains(byte) { '\u{fffd}' } else { char::from(*byte) })
+                    .collect()
+            }
+            Some(_) => bytes
+                .iter()
+                .map(|byte| if byte.is_ascii() { char::from(*byte) } else { '\u{fffd}' })
+                .collect(),
+        },
     }
-    let Some(label) = label(bytes).map(|label| &bytes[label]) else { return Ok(UTF_8) };
-    let known = Encoding::for_label(label).ok_or_else(|| {
-        format!(
-            "declares the encoding {:?}, which is unknown; save it as UTF-8",
-            String::from_utf8_lossy(label)
-        )
-    })?;
-    // a declaration that can be read is not in UTF-16
-    Ok(if [UTF_16LE, UTF_16BE].contains(&known) { UTF_8 } else { known })
+}
+
+/// The characters of UTF-16.
+fn sixteen(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Cow<'_, str> {
+    let (pairs, _) = bytes.as_chunks::<2>();
+    Cow::Owned(String::from_utf16_lossy(&pairs.iter().map(|pair| unit(*pair)).collect::<Vec<_>>()))
 }
 
 /// Where the XML declaration names the encoding.
@@ -181,8 +197,9 @@ mod tests {
         for (encoding, name, decoded_name) in [
             ("ISO-8859-1", &b"r\xe9"[..], "ré"),
             ("latin1", b"r\xe9", "ré"),
-            ("gb2312", b"\xbb\xfa", "机"),
-            ("Shift_JIS", b"\x8b\x40", "機"),
+            ("windows-1252", b"\x93r\xe9", "\u{fffd}ré"),
+            ("gb2312", b"r\xbb\xfa", "r\u{fffd}\u{fffd}"),
+            ("klingon", b"r", "r"),
             ("utf-8", "ré".as_bytes(), "ré"),
             ("utf-8", b"r\xe9", "r\u{fffd}"),
         ] {
@@ -193,8 +210,6 @@ mod tests {
             let expected = String::from_utf8(text(decoded_name.as_bytes(), "UTF-8")).unwrap();
             assert_eq!(decoded(&text(name, encoding)), Ok(expected), "{encoding}");
         }
-        let unknown = decoded(b"<?xml version='1.0' encoding='klingon'?><robot/>").unwrap_err();
-        assert!(unknown.contains("the encoding \"klingon\", which is unknown"), "{unknown}");
         assert_eq!(
             decoded(b"<robot encoding='latin1' name='\xc3\xa9'/>").unwrap(),
             "<robot encoding='latin1' name='é'/>"
