@@ -6,6 +6,7 @@ use super::output::{
 };
 use super::sweep::failure;
 use clap::Args;
+use cocarry::Error;
 use cocarry_studies::study::{Comparing, Results, Summary};
 use serde_json::json;
 use std::path::PathBuf;
@@ -50,7 +51,7 @@ pub(super) struct CompareArguments {
 pub(super) fn run_compare(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
     let CompareArguments { results, by, over, quantity, output, json, overwrite } = arguments;
     let outputs = overwrite.outputs(results.iter().map(PathBuf::as_path), output)?;
-    let comparing = Comparing::new(by.as_deref(), over, quantity).map_err(input)?;
+    let comparing = Comparing::new(by.as_deref(), over, quantity).map_err(|e| input(Error::new(format!("--{e}"))))?;
     let files: Vec<Results> = results.iter().map(|file| Results::File(file)).collect();
     let summary = Summary::load(&files, &comparing).map_err(failure)?;
     let names: Vec<String> = files.iter().map(Results::name).collect();
