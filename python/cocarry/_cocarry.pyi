@@ -48,7 +48,11 @@ class ClosedError(Error):
 
 @final
 class World:
-    """A world: obstacles, openings, start and target. Shows itself as its map in a notebook."""
+    """A world: obstacles, openings, start and target. Shows itself as its map in a notebook.
+
+    Reads a world file (TOML), or takes a built-in world: environment-1 to environment-4, or free-form.
+
+    Raises WorldError with the file, the line, the item and the numbers."""
 
     def __new__(cls, world: _Path | World | None = None) -> Self:
         ...
@@ -67,8 +71,7 @@ class World:
         """Reads a map: an occupancy grid (the YAML of ROS's map_server, with a PGM or PNG image) or a floor
         plan (GeoJSON, SVG). A and B are given in metres. ``text`` is the world with the map's outlines.
 
-        Raises WorldError with the file and the value.
-        """
+        Raises WorldError with the file and the value."""
     @property
     def name(self) -> str:
         """Title."""
@@ -91,7 +94,10 @@ class World:
 
 @final
 class Robot:
-    """A mobile manipulator: a wheeled base with an arm."""
+    """A mobile manipulator: a wheeled base with an arm.
+
+    Reads a robot file (TOML) with its URDF, or takes the built-in robot. A xacro is refused, unless ``xacro`` is
+    set: then the program ``xacro`` expands it, which runs code that is in the file. Raises RobotError."""
 
     def __new__(cls, file: _Path | None = None, *, xacro: bool = False) -> Self:
         ...
@@ -118,7 +124,21 @@ class Robot:
 @final
 class Scenario:
     """The complete definition of an episode: the same scenario gives the same episode, bit for bit.
-    Immutable."""
+    Immutable.
+
+    A scenario with the defaults of ``cocarry run``.
+
+    world: a world file, a built-in world (default environment-4) or a World.
+    plant: what the controller moves: the planning level alone, exact kinematics, or bodies with dynamics.
+    seed: of the human, of the human's preference changes, and of the gait.
+    alpha, gamma: the human's perception of distance and risk; drawn from the belief if not given.
+    changes: (step, alpha, gamma): preference changes. preference_changes: their number, drawn from the
+        seed.
+    belief_alpha, belief_gamma: the robot's belief: uniform(LOWER,UPPER) or normal(MEAN,STD,LOWER,UPPER).
+    belief_samples: the belief as samples, (n, 2) alpha and gamma, or (n, 3) with weights.
+    robot: a robot file or a Robot. settings: see cocarry.settings().
+
+    Raises ScenarioError with the key, the value and the values allowed; WorldError; RobotError."""
 
     def __new__(
         cls,
@@ -192,7 +212,17 @@ class Episode:
     An episode pickles and copies through snapshots, without its recording; a copy continues with the same
     bits.
     One thread at a time uses it; others get ClosedError at once.
-    """
+
+    The episode before its first step.
+
+    policy: a custom policy of the robot: a callable or an object with ``decide``, of a RobotView (see
+        cocarry.Policy), or a class of such objects. Its answer: an option to lead on, None to follow,
+        or a Decision.
+    human: a custom human: the same, of a HumanView (see cocarry.Human). Its answer: an option, or a
+        HumanDecision.
+
+    Raises ScenarioError: a part of the scenario is not valid. Exceptions of custom partners are raised by
+    the step."""
 
     def __new__(cls, scenario: Scenario, *, policy: Any = None, human: Any = None) -> Self:
         ...
@@ -212,15 +242,14 @@ class Episode:
         """The quantities of the last step, as ``quantities("tick")`` has them; missing values are None."""
     @property
     def summary(self) -> dict[str, Any]:
-        """The figures of the episode so far, as ``quantities("episode")`` has them; missing values are None.
-        """
+        """The figures of the episode so far, as ``quantities("episode")`` has them; missing values are None."""
     @property
     def learned(self) -> dict[str, Any] | None:
         """The belief over this human as of now, as ``/learned`` of a recording has it: means, variances,
         covariance and 95 % intervals of alpha, gamma and eta, information (nats), densities. None without
         ``belief_update="learn"``."""
     def __getitem__(self, key: str, /) -> Any:
-        """One quantity of the last step."""
+        """Return self[key]."""
     def __iter__(self) -> Episode: ...
     def __next__(self) -> dict[str, Any]: ...
     @property
@@ -247,14 +276,12 @@ class Episode:
         """Records the steps into an MCAP file, from before the first step until the end or ``close``; returns
         itself.
 
-        Raises RecordingError: the file exists or cannot be written, or the episode has begun.
-        """
+        Raises RecordingError: the file exists or cannot be written, or the episode has begun."""
     def recording(self) -> bytes:
         """The recording of the episode so far (MCAP). Runs it again from its start, with copies of custom
         partners."""
     def to_html(self, title: str = "episode") -> str:
-        """The 3-D player of the episode so far, as one page. Runs the episode again, as ``recording`` does.
-        """
+        """The 3-D player of the episode so far, as one page. Runs the episode again, as ``recording`` does."""
     def _repr_html_(self) -> str | None: ...
     def close(self) -> None:
         """Ends the episode and finishes its recording."""
@@ -272,8 +299,7 @@ class View:
 
     Every quantity of ``quantities("option")`` is an attribute and an item: an array of one number for each
     option (NaN where missing), as ``view.objective_cost_m``; ``view.name`` is a list of names. ``len`` counts
-    the options.
-    """
+    the options."""
 
     @property
     def step(self) -> int:
@@ -374,7 +400,10 @@ class HandView:
 @final
 class Preference:
     """How humans choose between options, if their alpha and gamma are distributed like the belief (Sec. III,
-    IV-A)."""
+    IV-A).
+
+    Of options with lengths D_o (m) and risks S_o (0 to 1). Raises Error with the value and what would
+    be right."""
 
     def __new__(
         cls,
@@ -435,7 +464,7 @@ class Table:
         """Unit and description of the columns that have them."""
     def __len__(self) -> int: ...
     def __getitem__(self, name: str, /) -> NDArray[Any]:
-        """A column: numbers (NaN where missing), flags, or texts as objects (None where missing)."""
+        """Return self[key]."""
     def to_numpy(self) -> dict[str, NDArray[Any]]:
         """All columns."""
     @staticmethod
@@ -469,15 +498,14 @@ class Recording:
     def replay(self) -> dict[str, Any]:
         """Runs the scenario again and compares every message: verdict, same_messages, difference.
 
-        The decisions of custom partners are repeated from the recording's log.
-        """
+        The decisions of custom partners are repeated from the recording's log."""
     def to_html(self, title: str | None = None) -> str:
         """The 3-D player, as one page."""
     def _repr_html_(self) -> str: ...
 
 @final
 class Lanes:
-    """Environments side by side, for cocarry.environments."""
+    """Environments side by side."""
 
     def __new__(
         cls,
@@ -576,8 +604,7 @@ def study_rows(
 ) -> bytes:
     """The lines of results of the episodes from ``first`` to before ``end``, as ``cocarry sweep`` writes them.
 
-    Raises StudyError.
-    """
+    Raises StudyError."""
 
 def study_episodes(
     text: str,
@@ -588,24 +615,24 @@ def study_episodes(
     policies: Sequence[_Partner],
     humans: Sequence[_Partner],
 ) -> int:
-    """The number of episodes of a study. Raises StudyError."""
+    """The number of episodes of a study."""
 
 def check_partner(what: str, given: Any) -> None:
-    """Raises DecisionError for what cannot decide; ``what`` is ``"policy"`` or ``"human"``."""
+    """The check that an object can decide."""
 
 def rows_table(lines: bytes) -> Table:
-    """The table of lines of results, as ``study_rows`` returns them."""
+    """The table of lines of results, as `study_rows` returns them."""
 
 def compare(
     results: Sequence[Any], by: str | None, over: Sequence[str], quantities: Sequence[str]
 ) -> tuple[Table, list[str]]:
-    """The paired comparisons of results, and notes on them; see cocarry.compare."""
+    """The paired comparisons of results, and notes on them."""
 
 def summary(results: Sequence[Any]) -> tuple[Table, list[str]]:
-    """Means and intervals of every combination of results, and notes on them; see cocarry.summary."""
+    """Means and intervals of every combination of results, and notes on them."""
 
 def plot(results: Sequence[Any], kind: str, quantity: str, by: str | None, cells: int) -> tuple[str, list[str]]:
-    """A picture of results, as SVG, and notes on them; see cocarry.plot."""
+    """A picture of results, as SVG, and notes on them."""
 
 def arithmetic_stamp() -> str:
     """The stamp of this machine's arithmetic: a digest of a fixed list of results."""
@@ -614,8 +641,7 @@ def arithmetic_stamp() -> str:
 class Rows:
     """The results of a study whose episodes run elsewhere: a file that grows in the order of episodes.
 
-    Raises StudyError, also if the file exists already, belongs to another study, or is written by another process.
-    """
+    Raises StudyError, also if the file exists already, belongs to another study, or is written by another process."""
 
     def __new__(
         cls,
@@ -642,8 +668,7 @@ class Rows:
     def finish(self, table: bool) -> Table | None:
         """Runs the episodes that are missing, gives the file its name, and returns the rows if ``table``.
 
-        Raises StudyError.
-        """
+        Raises StudyError."""
 
 def sweep(
     text: str,

@@ -68,8 +68,12 @@ def _docstring(doc: str, indent: str) -> list[str]:
     return lines
 
 
-if __name__ == "__main__":
-    folder = pathlib.Path(sys.argv[1])
+def main(folder: pathlib.Path) -> None:
+    """Writes both files."""
     (folder / "_settings.py").write_text(text(), encoding="utf-8")
     native = folder / "_cocarry.pyi"
     native.write_text(stub(native.read_text(encoding="utf-8")), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(pathlib.Path(sys.argv[1]))

@@ -209,23 +209,23 @@ def _source(study: str | os.PathLike[str] | Mapping[str, Any]) -> tuple[str, str
 def _toml(study: Mapping[str, Any]) -> str:
     """A mapping as TOML: tables after plain values."""
 
-    def value(given: Any) -> str:
+    def value(given: Any, key: object) -> str:
         if isinstance(given, bool):
             return str(given).lower()
         if isinstance(given, str):
             return '"' + "".join(_escaped(c) for c in given) + '"'
         if isinstance(given, os.PathLike):
-            return value(os.fspath(given))
+            return value(os.fspath(given), key)
         if isinstance(given, Mapping):
-            return "{ " + ", ".join(f"{value(str(k))} = {value(v)}" for k, v in given.items()) + " }"
+            return "{ " + ", ".join(f"{value(str(k), k)} = {value(v, k)}" for k, v in given.items()) + " }"
         if isinstance(given, (list, tuple)) or hasattr(given, "tolist"):
             items = given.tolist() if hasattr(given, "tolist") else given
-            return "[" + ", ".join(map(value, items)) + "]" if isinstance(items, (list, tuple)) else value(items)
+            return "[" + ", ".join(value(item, key) for item in items) + "]" if isinstance(items, (list, tuple)) else value(items, key)
         if isinstance(given, (int, float)):
             return repr(given)
-        raise StudyError(f"study: {given!r} is not a value of a study; expected numbers, texts, booleans, lists or mappings")
+        raise StudyError(f"{key} = {given!r} is not a value of a study; expected numbers, texts, booleans, lists or mappings")
 
-    return "\n".join(f"{value(str(key))} = {value(given)}" for key, given in study.items()) + "\n"
+    return "\n".join(f"{value(str(key), key)} = {value(given, key)}" for key, given in study.items()) + "\n"
 
 
 def _escaped(character: str) -> str:

@@ -267,8 +267,8 @@ class CarryEnv(_Env):
     ``info["built_in_inputs"]`` its inputs u with the rates of eq. (8) (m/s, rad/s), both in the first control period;
     ``built_in=False`` leaves them out, which makes steps on the kinematic plant several times as fast.
 
-    Reward: minus the cost of the step (by default C), at most m = ``most_step_cost``, by default the cost at which the
-    object is lost: ``control_weight`` Q (0.1 m)^2, plus the largest J and J^ of the start by their weights. An episode
+    Reward: minus the cost of the step (by default C), at most m = ``most_step_cost``, by default ten times the cost at which
+    the object is lost: 10 ``control_weight`` Q (0.1 m)^2, plus the largest J and J^ of the start by their weights. An episode
     takes at most N = ``max_steps`` steps, by default 3 times the steps of the longest option. One that ends after k steps
     without arriving, or has not arrived after N, is charged m (2 N - k) at its end. So ending is never better than going
     on, in whichever way and with whichever discount: whoever goes on pays at most m a step, and at most m (2 N - k)
@@ -360,7 +360,8 @@ class _VectorEnv(_Resumable, VectorEnv[_Floats, Any, NDArray[Any]]):
         if seed is None and not self._is_seeded:
             seed = int(self.np_random.integers(2**62))
         if seed is not None:
-            seeds = [_seed(seed) + i for i in range(self.num_envs)] if np.ndim(seed) == 0 else list(seed)  # type: ignore[arg-type]
+            is_one = isinstance(seed, str) or not isinstance(seed, (Sequence, np.ndarray))
+            seeds = [_seed(seed) + i for i in range(self.num_envs)] if is_one else list(seed)  # type: ignore[arg-type]
             if len(seeds) != self.num_envs:
                 raise Error(f"seed has {len(seeds)} numbers; it must be one number or one for each of {self.num_envs} environments")
             for i in np.flatnonzero(mask):
@@ -374,7 +375,8 @@ class _VectorEnv(_Resumable, VectorEnv[_Floats, Any, NDArray[Any]]):
         info: dict[str, Any] = {}
         episodes = {i: self._lanes.episode(int(i)) for i in np.flatnonzero(mask)}
         for key, first in next(iter(episodes.values())).items():
-            info[key] = np.zeros(self.num_envs, dtype=object if isinstance(first, str) else type(first))
+            is_text = isinstance(first, str)
+            info[key] = np.full(self.num_envs, None if is_text else 0, dtype=object if is_text else type(first))
             info[key][mask] = [episode[key] for episode in episodes.values()]
             info[f"_{key}"] = mask.copy()
         return self._observations(), info | self._told(mask)

@@ -50,7 +50,7 @@ class CocarryEnv(_Resumable, ParallelEnv):  # type: ignore[misc]
     ) -> None:
         _check_render_mode(render_mode)
         weights = (objective_weight, subjective_weight, 0.0)
-        if max_cycles is not None and (isinstance(max_cycles, bool) or not hasattr(max_cycles, "__index__") or max_cycles < 1):
+        if max_cycles is not None and (isinstance(max_cycles, bool) or not hasattr(max_cycles, "__index__") or not 1 <= max_cycles < 2**64):
             raise Error(f"max_cycles = {max_cycles!r}; it must be a whole number of at least 1")
         self._make(1, "both", _scenarios(worlds, "point", settings), alpha=alpha, gamma=gamma, max_steps=max_cycles, weights=weights)
         self._weights, self.render_mode = weights[:2], render_mode

@@ -294,7 +294,7 @@ def test_a_package_registers_a_policy_for_program_and_python(package, tmp_path, 
     done = program("sweep", "s.toml", "--method", "bad", "-o", "bad.csv", cwd=tmp_path, path=package)
     assert done.returncode == 2 and "on purpose" in done.stderr and not (tmp_path / "bad.csv").exists(), done.stderr
     monkeypatch.syspath_prepend(str(package))
-    importlib.metadata.MetadataPathFinder.invalidate_caches()
+    importlib.invalidate_caches()
     rows = cocarry.sweep(tmp_path / "s.toml", policy=["my-policy", "mutual"])
     assert set(rows["method"]) == {"my-policy", "mutual"} and rows["policy_code"][0].startswith("2.0 ")
     assert rows == cocarry.sweep(tmp_path / "s.toml", policy=["my-policy", "mutual"], out=tmp_path / "again.csv")

@@ -544,7 +544,7 @@ def test_disabled_autoreset_is_that_of_single_environments(name, keywords):
             np.testing.assert_array_equal(mine[0], other[0])
             for key in ("world", "world_name", "alpha", "_alpha", "action_mask"):
                 if key in other[1]:
-                    np.testing.assert_array_equal(mine[1][key], other[1][key])
+                    np.testing.assert_array_equal(mine[1][key][ended], other[1][key][ended])
     for wrong in (np.zeros(3, dtype=bool), np.ones(2, dtype=bool), [1, 0, 0]):
         with pytest.raises(cocarry.Error, match="reset_mask"):
             ours.reset(options={"reset_mask": wrong})

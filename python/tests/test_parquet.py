@@ -151,10 +151,8 @@ def test_ctrl_c_stops_a_sweep_with_files_which_resumes(tmp_path):
 def test_what_files_cannot_have_is_refused(tmp_path):
     with pytest.raises(cocarry.StudyError, match="needs out"):
         cocarry.sweep(STUDY, ticks=tmp_path / "ticks")
-    with pytest.raises(cocarry.StudyError, match="custom partners"):
-        cocarry.sweep(STUDY, out=tmp_path / "rows.parquet", policy=lambda view: None)
     with pytest.raises(cocarry.StudyError, match="without shard"):
-        cocarry.sweep(STUDY, out=tmp_path / "rows.parquet", processes=2)
+        cocarry.sweep(STUDY, out=tmp_path / "rows.parquet", processes=2, shard=(1, 2))
     (tmp_path / "taken").mkdir()
     (tmp_path / "taken" / "mine.txt").write_text("mine")
     with pytest.raises(cocarry.StudyError, match="holds mine.txt"):

@@ -262,8 +262,10 @@ def test_sweeps_of_own_partners_have_the_rows_of_the_built_in_ones():
             assert list(map(str, own[column])) == list(map(str, theirs[column])), column
     assert cocarry.sweep(STUDY, policy=eq6, threads=1) == own == cocarry.sweep(STUDY, policy=eq6, processes=2)
     # every episode has a policy of its own
-    counted = cocarry.sweep(STUDY, policy=Counts, threads=2)
-    assert counted == cocarry.sweep(STUDY, policy=Counts(), threads=1)
+    counted, once = (cocarry.sweep(STUDY, policy=policy, threads=2) for policy in (Counts, Counts()))
+    for column in counted.columns:
+        if column not in ("policy_code", "study", "checksum"):
+            assert list(map(str, counted[column])) == list(map(str, once[column])), column
 
 
 def test_an_exception_in_a_sweep_is_raised():

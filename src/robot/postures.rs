@@ -74,6 +74,9 @@ const MAX_OVERHANG_NARROW_M: f64 = 0.2;
 const ROOM_INSIDE_M: f64 = 0.1;
 /// Least factor of room for reach and width, so that a posture without either is better than none.
 const MIN_SHARE: f64 = 0.05;
+/// Least share of the reach that is enough, where the grasp is not straight ahead: with less, the arm loses the
+/// object as soon as the base turns.
+const MIN_REACH_AROUND: f64 = 0.3;
 /// Radius of the arm in checks against the base, m.
 const ARM_RADIUS_M: f64 = 0.05;
 /// The spacing of the balls of eq. (7), m.
@@ -104,9 +107,12 @@ pub(super) fn search(robot: &Robot, height: f64, footprint: &Footprint, places: 
     let by_room = |a: &Found, b: &Found| b.room.total_cmp(&a.room);
     all.sort_by(by_room);
     all.truncate(MAX_REACHES);
-    for found in &mut all {
-        found.room *= reach_share(robot, found) * width_share(robot, &found.joints, footprint);
-    }
+    let least_reach = if places == Places::Ahead { 0.0 } else { MIN_REACH_AROUND };
+    all.retain_mut(|found| {
+        let reach = reach_share(robot, found);
+        found.room *= reach * width_share(robot, &found.joints, footprint);
+        reach >= least_reach
+    });
     all.sort_by(by_room);
     let mut best: Vec<Found> = Vec::new();
     for found in all {

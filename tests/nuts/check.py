@@ -18,6 +18,7 @@ import jax
 import jax.numpy as jnp
 import numpy
 import numpyro
+import scipy.stats
 import zarr
 from numpyro import distributions
 from numpyro.infer import MCMC, NUTS
@@ -34,6 +35,8 @@ CHAINS, WARMUP, DRAWS, STEP_SIZE = 8, 500, 25_000, 0.3
 MAX_PEOPLE = 6
 # four deviations: one in 16 000 by chance
 MOST = 4.0
+# of mean and deviation of eta from a sum over pieces
+MAX_DIFFERENCE = 1e-6
 
 
 def cocarry(*arguments):
@@ -71,8 +74,24 @@ def tolerance(low, high, lapse):
     numpyro.factor("tasks", jnp.log((1 - lapse) * inside + lapse * share).sum())
 
 
-def drawn(model, seed, *arguments):
-    kernel = NUTS(model, step_size=STEP_SIZE, adapt_step_size=False, adapt_mass_matrix=False)
+def pieces(low, high, lapse):
+    """Mean and deviation of eta: between the ends of tasks the density is the prior's, times a constant."""
+    ends = numpy.unique([0.0, *low, *high, numpy.inf])
+
+    def part(power, end):
+        """The integral of eta^power times the prior's density, up to `end`."""
+        shifted = (numpy.log(numpy.maximum(end, 1e-300) / ETA_MEDIAN) - power * ETA_LOG_STD**2) / ETA_LOG_STD
+        return ETA_MEDIAN**power * numpy.exp((power * ETA_LOG_STD) ** 2 / 2) * scipy.stats.norm.cdf(shifted)
+
+    inside = (low <= ends[:-1, None]) & (ends[1:, None] <= high)
+    likelihood = numpy.prod((1 - lapse) * inside + lapse * (part(0, high) - part(0, low)), axis=1)
+    sums = [(likelihood * (part(power, ends[1:]) - part(power, ends[:-1]))).sum() for power in range(3)]
+    mean = sums[1] / sums[0]
+    return mean, numpy.sqrt(sums[2] / sums[0] - mean**2)
+
+
+def drawn(model, seed, step, *arguments):
+    kernel = NUTS(model, step_size=step, adapt_step_size=False, adapt_mass_matrix=False)
     mcmc = MCMC(kernel, num_warmup=WARMUP, num_samples=DRAWS, num_chains=CHAINS, chain_method="vectorized",
                 progress_bar=False)
     mcmc.run(jax.random.PRNGKey(seed), *arguments)
@@ -128,7 +147,7 @@ def check_perception(path, people, lapse):
         lengths = padded([found[0] for found in tables.values()], 1e6)
         risks = padded([found[1] for found in tables.values()], 0.5)
         counts = numpy.array([[len(names)] for _, _, names in tables.values()])
-        draws = drawn(perception, 1, lengths, risks, padded(shares, 0.0), counts, lapse)
+        draws = drawn(perception, 1, STEP_SIZE, lengths, risks, padded(shares, 0.0), counts, lapse)
         alpha, gamma = draws["alpha"], draws["gamma"]
         moments(who, "alpha", person["alpha"], alpha)
         moments(who, "gamma", person["gamma"], gamma)
@@ -151,8 +170,15 @@ def check_tolerance(path, people, lapse):
         who = person["participant"]
         if who in people:
             own = numpy.array([name == who for name in names])
-            eta = drawn(tolerance, 2, low[own], high[own], lapse)["eta"]
-            moments(who, "eta", person["eta"], eta)
+            mean, std = person["eta"]["mean"], person["eta"]["std"]
+            for what, ours, exact in zip(("mean", "std"), (mean, std), pieces(low[own], high[own], lapse)):
+                if abs(ours / exact - 1) > MAX_DIFFERENCE:
+                    worst.append(f"{who}: the {what} of eta is {ours}; piece by piece it is {exact}")
+            # of the logarithm, about a deviation; chains do not leave for pieces that are far away and improbable
+            eta = drawn(tolerance, 2, std / mean, low[own], high[own], lapse)["eta"]
+            compare(who, "mean of eta", mean, eta)
+            least, most = person["eta"]["interval"]
+            compare(who, "P(eta in 95 %)", 0.95, ((least <= eta) & (eta <= most)).astype(float))
 
 
 print(f"{'who':8} {'what':18} {'ours':>11} {'NUTS':>11} {'MCSE':>10} {'z':>6} {'ESS':>8} {'R-hat':>7}")

@@ -51,7 +51,8 @@ pub(super) struct CompareArguments {
 pub(super) fn run_compare(arguments: &CompareArguments) -> Result<ExitCode, Failure> {
     let CompareArguments { results, by, over, quantity, output, json, overwrite } = arguments;
     let outputs = overwrite.outputs(results.iter().map(PathBuf::as_path), output)?;
-    let comparing = Comparing::new(by.as_deref(), over, quantity).map_err(|e| input(Error::new(format!("--{e}"))))?;
+    let comparing =
+        Comparing::new(by.as_deref(), over, quantity).map_err(|e| input(Error::new(format!("--{e}"))))?;
     let files: Vec<Results> = results.iter().map(|file| Results::File(file)).collect();
     let summary = Summary::load(&files, &comparing).map_err(failure)?;
     let names: Vec<String> = files.iter().map(Results::name).collect();
