@@ -6,7 +6,14 @@ use std::collections::BTreeSet;
 use std::path::{Component, Path};
 
 /// Further pages whose links are checked.
-const OTHERS: [&str; 4] = ["ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "recordings/README.md"];
+const OTHERS: [&str; 6] = [
+    "ARCHITECTURE.md",
+    "CONTRIBUTING.md",
+    "CHANGELOG.md",
+    "ROADMAP.md",
+    "SUPPORT.md",
+    "recordings/README.md",
+];
 
 /// The targets of links and pictures on a page, without those of the web.
 fn links(text: &str) -> impl Iterator<Item = &str> {
