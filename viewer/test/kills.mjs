@@ -1,6 +1,6 @@
 // Tabs and servers killed at random times: node test/people.mjs PROGRAM kills [TABS [SERVERS [SEED]]]. Several participants at once
 // answer through a proxy that doubles requests, delivers the double later than what follows, delays, and drops requests and answers;
-// now and then a browser is offline for ten seconds. After every kill of a server the database is sound and has, once, every chunk
+// now and then a browser is offline for ten seconds. After every kill the database is sound and has, once, every chunk
 // that a browser had an answer for; at the end everybody has a code, and every answer is in the tables once.
 import assert from "node:assert/strict";
 import { rmSync } from "node:fs";
@@ -165,6 +165,7 @@ export async function run(program, tabs = 20, servers = 2, seed = 1) {
         await Promise.race([new Promise((crashed) => tab.once("crash", crashed)), sleep(5000)]);
       }
       await tab.close();
+      acknowledged.check(study);
       tab = await open();
     }
     for (;;) {
