@@ -134,7 +134,8 @@ impl<'a> Mender<'a> {
                 '<' => self.text += "&lt;",
                 '>' => self.text += "&gt;",
                 '"' => self.text += "&quot;",
-                c if c.is_control() => self.text.push(' '),
+                // as an attribute's value is read
+                c if c < ' ' => self.text.push(' '),
                 c => self.text.push(c),
             }
         }
