@@ -136,6 +136,8 @@ impl<'a> Mender<'a> {
                 '"' => self.text += "&quot;",
                 // as an attribute's value is read
                 c if c < ' ' => self.text.push(' '),
+                // urdf-rs reads some of them as line breaks
+                c if c.is_control() => self.text += &format!("&#{};", u32::from(c)),
                 c => self.text.push(c),
             }
         }
