@@ -115,8 +115,8 @@ fn behind(bytes: &[u8], end: &[u8]) -> Option<usize> {
     bytes.windows(end.len()).position(|window| window == end).map(|at| at + end.len())
 }
 
-/// The number of bytes of a document type declaration behind its `<!`. One that only names a file, which no parser reads,
-/// is passed over; many programs write it into their drawings.
+/// The number of bytes of a document type declaration behind its `<!`. One that only names a file, which no
+/// parser reads, is passed over; many programs write it into their drawings.
 ///
 /// # Errors
 /// It defines entities, or the like.

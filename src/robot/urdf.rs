@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 const MAX_MESH_BYTES: u64 = 1 << 30;
 
 /// What is said of a text with bytes that could not be decoded.
-const GARBLED: &str = "the URDF is not in the encoding that it declares (UTF-8 where it declares none), or that is none of UTF-8, UTF-16 and Latin-1: bytes that could not be read became U+FFFD";
+const GARBLED: &str = "the URDF has bytes that are not of the encoding that it declares (UTF-8 where it declares none), or declares none of UTF-8, UTF-16 and Latin-1: what could not be read became U+FFFD";
 
 /// The convex shapes of collision meshes, by their names in the URDF.
 pub(super) type Hulls = BTreeMap<String, Convex>;

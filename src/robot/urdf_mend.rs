@@ -136,8 +136,6 @@ impl<'a> Mender<'a> {
                 '"' => self.text += "&quot;",
                 // as an attribute's value is read
                 c if c < ' ' => self.text.push(' '),
-                // urdf-rs reads some of them as line breaks
-                c if c.is_control() => self.text += &format!("&#{};", u32::from(c)),
                 c => self.text.push(c),
             }
         }
@@ -387,5 +385,21 @@ fn item_of(node: Node, rule: &Element, i: usize, item: &str) -> String {
         ("link" | "joint" | "material", Some(name)) => format!("{} `{name}`", rule.name),
         ("link" | "joint" | "material", None) => rule.name.to_owned(),
         _ => format!("{item}, {} {}", rule.name, i + 1),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_keep_their_characters() {
+        for name in ["a\u{85}b", "a\u{2028}b", "a\u{7f}b", "<a & \"b\">", "\u{202e}\u{feff}机"] {
+            let escaped = name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
+            let text = format!("<robot name=\"r\"><link name=\"{escaped}\"/></robot>");
+            let mended = mended("r.urdf", &text).expect("a URDF");
+            let robot = urdf_rs::read_from_string(&mended.text).expect("a URDF");
+            assert_eq!(robot.links[0].name, name);
+        }
     }
 }

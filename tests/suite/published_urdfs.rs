@@ -122,7 +122,7 @@ fn texts_are_read_in_the_encoding_that_they_declare() {
         std::fs::write(&path, bytes(declared(encoding, "carrier \u{bb}\u{fa}"))).expect("a file");
         let robot = files.load_as_is(TOML).unwrap_or_else(|e| panic!("{e}"));
         are_equal(&robot, &plain);
-        assert!(said(&robot).contains("could not be read became U+FFFD"), "{}", said(&robot));
+        assert!(said(&robot).contains("what could not be read became U+FFFD"), "{}", said(&robot));
     }
 }
 

@@ -1,7 +1,7 @@
 // Tabs and servers killed at random times: node test/people.mjs PROGRAM kills [TABS [SERVERS [SEED]]]. Several participants at once
 // answer through a proxy that doubles requests, delivers the double later than what follows, delays, and drops requests and answers;
-// now and then a browser is offline for ten seconds. After every kill the database is sound and has, once, every chunk
-// that a browser had an answer for; at the end everybody has a code, and every answer is in the tables once.
+// now and then a browser is offline for ten seconds. After every kill the database is sound and has, once, every
+// chunk that a browser had an answer for; at the end everybody has a code, and every answer is in the tables once.
 import assert from "node:assert/strict";
 import { rmSync } from "node:fs";
 import { createServer, request as ask } from "node:http";

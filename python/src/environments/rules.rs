@@ -14,8 +14,8 @@ use std::sync::Arc;
 /// How many times the steps of the longest option an episode of an environment that prices its ending may take, by
 /// default.
 const STEPS_OF_LONGEST: u64 = 3;
-/// The most that a step costs, as a multiple of the tracking cost at which the object is lost: more than any step of the
-/// built-in controller in the paper's environments, which is 7.4 times that.
+/// The most that a step costs, as a multiple of the tracking cost at which the object is lost: more than any
+/// step of the built-in controller in the paper's environments, which is 7.4 times that.
 const MOST_OF_LOSS: f64 = 10.0;
 
 /// The length (m) of an option without a path.
@@ -155,8 +155,9 @@ impl Rules {
     }
 
     /// The bound of an episode's cost, where its ending has a price. By default, a step costs at most
-    /// [`MOST_OF_LOSS`] times the tracking cost at which the object is lost, Q (0.1 m)^2, and the largest J and J^ of the start, as far as they have a weight;
-    /// it takes at most [`STEPS_OF_LONGEST`] times the steps of the longest option.
+    /// [`MOST_OF_LOSS`] times the tracking cost at which the object is lost, Q (0.1 m)^2, and the largest J and J^ of
+    /// the start, as far as they have a weight; it takes at most [`STEPS_OF_LONGEST`] times the steps of the longest
+    /// option.
     pub(super) fn bound(&self, prepared: &PreparedScenario) -> Option<Bound> {
         let ending = self.ending?;
         let scenario = prepared.scenario();

@@ -97,8 +97,11 @@ impl Summary {
             }
         };
         let mut notes = vec![format!(
-            "First minus second, all other inputs equal, over the seeds with which both arrived. d: mean of the differences over their standard deviation{test}. One outcome: no interval and no test, since all humans make the same choices, and seeds differ by gait noise only."
+            "First minus second, all other inputs equal, over the seeds with which both arrived. d: mean of the differences over their standard deviation{test}."
         )];
+        if self.comparisons.iter().any(|c| c.difference.difference.interval.is_none()) {
+            notes[0] += " One outcome: no interval and no test, since all humans make the same choices, and seeds differ by gait noise only.";
+        }
         if are_left_out {
             notes.push("Comparisons without any difference are left out.".to_owned());
         }

@@ -24,6 +24,7 @@ mod row;
 mod run;
 mod source;
 mod summary;
+mod summary_reader;
 #[cfg_attr(not(feature = "parquet"), path = "tables_unavailable.rs")]
 mod tables;
 
