@@ -5,9 +5,13 @@ from __future__ import annotations
 import importlib
 import math
 import pathlib
+import sys
+import types
 
 import numpy as np
 import pytest
+
+import cocarry
 
 FOLDER = pathlib.Path(__file__).parents[1] / "examples" / "passing_sides"
 pytestmark = pytest.mark.skipif(not FOLDER.is_dir(), reason="the examples are not next to the tests")
@@ -126,3 +130,92 @@ def test_the_same_seed_gives_the_same_inputs(control):
         return [mppi.command((-2.0, 0.0, 0.0), (0.0, 0.0), *costs).tobytes() for _ in range(3)]
 
     assert commands(4) == commands(4) != commands(5)
+
+
+@pytest.fixture
+def scenes(monkeypatch):
+    monkeypatch.syspath_prepend(str(FOLDER))
+    return importlib.import_module("scenes")
+
+
+def test_a_path_has_the_side_on_which_it_passes_the_obstacle(inference, scenes):
+    obstacle, goal = np.array(OBSTACLE), np.array(GOAL)
+    left = np.array([(-2.0, 0.0), (0.0, 0.7), (2.0, 0.0)])
+    assert scenes.side_of(left, obstacle, goal) == inference.LEFT
+    assert scenes.side_of(left * (1, -1), obstacle, goal) == inference.RIGHT
+    assert scenes.side_of(left[2:], obstacle, goal) is None
+    assert scenes.side_of(np.array([(0.5, 1.0), (2.0, 0.0)]), obstacle, goal) is None
+
+
+def test_closed_form_a_point_ahead_on_a_path(scenes):
+    path = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 5.0)])
+    assert scenes.point_ahead(path, 1.5) == pytest.approx([1.0, 0.5])
+    assert scenes.point_ahead(path, 9.0) == pytest.approx([1.0, 5.0])
+
+
+@pytest.mark.skipif(sys.version_info < (3, 11), reason="Walls reads TOML with Python 3.11's tomllib")
+def test_closed_form_the_nearest_points_of_walls(scenes):
+    text = """
+robot_width_m = 0.5
+start_m = [-3.0, 0.0]
+target_m = [5.0, 0.0]
+[[obstacle]]
+name = "box"
+shape = "box"
+center_m = [0.0, 2.0]
+size_m = [4.0, 2.0]
+yaw_deg = 90.0
+height_m = 1.0
+[[obstacle]]
+name = "post"
+shape = "cylinder"
+center_m = [3.0, 0.0]
+radius_m = 0.5
+height_m = 1.0
+[[option]]
+name = "all"
+openings = []
+"""
+    walls = scenes.Walls(cocarry.World.parse(text))
+    points, distances = walls.nearest([(-2.0, 1.0), (1.8, 0.0), (0.5, 2.0)])
+    assert distances == pytest.approx([1.0, 0.7, 0.0])
+    assert points == pytest.approx(np.array([(-1.0, 1.0), (2.5, 0.0), (0.5, 2.0)]))
+    assert walls.clearance(np.array([(-1.25, 1.0), (-2.0, 1.0)])) == pytest.approx([1.0, 0.0])
+
+
+@pytest.fixture
+def partner(monkeypatch):
+    monkeypatch.syspath_prepend(str(FOLDER))
+    paths = [np.array([(-2.0, 0.0), (0.0, side), (2.0, 0.0)]) for side in (0.7, -0.7)]
+    return importlib.import_module("force_partner").ForcePartner(paths, 0, speed_m_per_s=0.3, damping=100.0, patience_ns=10.0)
+
+
+def hand_view(hand=(0.0, 0.7), force=None):
+    wrench = None if force is None else np.array([-force[0], -force[1], 0, 0, 0, 0])  # that on the object
+    return types.SimpleNamespace(hand=np.array(hand), hand_wrench=wrench, period=1, periods=2)
+
+
+def test_closed_form_a_hand_without_a_force_walks_its_path_and_a_force_adds_its_share_of_the_damping(partner):
+    free = np.array(partner.hand(hand_view((-2.0, 0.0)))) - (-2.0, 0.0)
+    assert np.hypot(*free) == pytest.approx(0.03)  # 0.3 m/s for 0.1 s
+    assert free[1] / free[0] == pytest.approx(0.35, abs=1e-6)
+    pulled = np.array(partner.hand(hand_view((-2.0, 0.0), (0.0, -10.0)))) - (-2.0, 0.0)
+    assert pulled - free == pytest.approx([0.0, -0.01])
+
+
+def test_a_human_changes_the_side_once_a_force_toward_it_has_used_up_the_patience(partner):
+    def decided(force, time_s):
+        hand = np.eye(4)
+        hand[:2, 3] = (-1.0, 0.0)
+        wrench = np.array([-force[0], -force[1], 0, 0, 0, 0])
+        return partner.decide(types.SimpleNamespace(hand=hand, hand_wrench=wrench, time_s=time_s)).option
+
+    assert [decided((0.0, 20.0), 0.2 * i) for i in range(10)] == [0] * 10  # toward the own side
+    assert [decided((0.0, -20.0), 2.0 + 0.2 * i) for i in range(6)] == [0, 0, 0, 1, 1, 1]
+
+
+def test_a_human_keeps_state_through_save_and_restore(partner):
+    state = partner.save()
+    partner.option, partner.opposed_ns = 1, 3.0
+    partner.restore(state)
+    assert (partner.option, partner.opposed_ns) == (0, 0.0)
