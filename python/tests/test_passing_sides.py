@@ -180,7 +180,8 @@ openings = []
     points, distances = walls.nearest([(-2.0, 1.0), (1.8, 0.0), (0.5, 2.0)])
     assert distances == pytest.approx([1.0, 0.7, 0.0])
     assert points == pytest.approx(np.array([(-1.0, 1.0), (2.5, 0.0), (0.5, 2.0)]))
-    assert walls.clearance(np.array([(-1.25, 1.0), (-2.0, 1.0)])) == pytest.approx([1.0, 0.0])
+    base, carried = np.array([(-1.25, 1.0), (-2.0, 1.0)]), np.array([(-9.0, 0.0), (0.0, 2.0)])
+    assert walls.clearance(base, carried) == pytest.approx([1.0, 10.0])
 
 
 @pytest.fixture

@@ -48,7 +48,9 @@ class ForcePartner(cocarry.Human):
     version = "1.0"
     name = "force"
     #: How far ahead on their path the human looks, m.
-    LOOKAHEAD_M = 0.6
+    LOOKAHEAD_M = 0.5
+    #: How far the human's body is ahead of the hand, m.
+    BODY_AHEAD_M = 0.4
     #: The human slows down at this distance from the end, m.
     SLOWING_M = 0.3
     #: Forces below this do not count against the human's option, N.
@@ -66,10 +68,12 @@ class ForcePartner(cocarry.Human):
         damping: float = 150.0,
         patience_ns: float = 40.0,
     ) -> None:
-        self.paths = [_extended(np.asarray(path, float), reach_m) for path in paths]
+        self.paths = [_extended(np.asarray(path, float), reach_m + self.BODY_AHEAD_M) for path in paths]
         self.option, self.patience_ns = option, patience_ns
         self.speed_m_per_s, self.damping = speed_m_per_s, damping
         self.wrench: Floats | None = None
+        #: The direction in which the object is ahead at the hand, of length 1.
+        self.facing = np.zeros(2)
         self.time_s = 0.0
         #: Force times time against the human's option so far, N s.
         self.opposed_ns = 0.0
@@ -78,6 +82,7 @@ class ForcePartner(cocarry.Human):
         """The option that the human prefers now; phi grows by eq. (5)."""
         if view.hand is not None and view.hand_wrench is not None:
             self.wrench = np.asarray(view.hand_wrench)
+            self.facing = view.hand[:2, 0] / math.hypot(*view.hand[:2, 0])
             self._reconsider(view.hand[:2, 3], -self.wrench[:2], view.time_s - self.time_s)
         self.time_s = view.time_s
         return cocarry.HumanDecision(self.option)
@@ -119,21 +124,21 @@ class ForcePartner(cocarry.Human):
 
     def _ahead(self, option: int, here: Floats) -> Floats:
         """The direction in which the human walks on an option, of length 1, and less within SLOWING_M of its end."""
-        path = self.paths[option]
-        offsets = path - here
+        path, body = self.paths[option], here + self.BODY_AHEAD_M * self.facing
+        offsets = path - body
         nearest = int(np.argmin(np.hypot(offsets[:, 0], offsets[:, 1])))
         along = np.hypot(*np.diff(path[nearest:], axis=0).T).cumsum()
         beyond = nearest + 1 + int(np.searchsorted(along, self.LOOKAHEAD_M))
-        to = path[min(beyond, len(path) - 1)] - here
+        to = path[min(beyond, len(path) - 1)] - body
         return np.asarray(to / max(math.hypot(*to), self.SLOWING_M))
 
     def save(self) -> bytes:
-        """Option, force borne, last force and its time."""
-        return pickle.dumps((self.option, self.opposed_ns, self.wrench, self.time_s))
+        """Option, force borne, and what was felt and seen last."""
+        return pickle.dumps((self.option, self.opposed_ns, self.wrench, self.time_s, self.facing))
 
     def restore(self, state: bytes) -> None:
         """Restores what `save` returned."""
-        self.option, self.opposed_ns, self.wrench, self.time_s = pickle.loads(state)
+        self.option, self.opposed_ns, self.wrench, self.time_s, self.facing = pickle.loads(state)
 
 
 def _extended(path: Floats, reach: float) -> Floats:

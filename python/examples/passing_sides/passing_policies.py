@@ -1,13 +1,15 @@
-"""Two policies of the passing-side paper, for a differential base on the physical plant: vanilla MPC and IC-MPC.
+"""Two policies of the passing-side paper on the physical plant: vanilla MPC and IC-MPC.
 
-Both drive the base by sampling MPC toward the goal and clear of one obstacle. IC-MPC also pays for the human's
-uncertainty about the side on which the team passes the obstacle (arXiv:2502.03346).
+Both move the robot's end of the object by sampling MPC toward the goal and clear of one obstacle. IC-MPC also pays for
+the human's uncertainty about the side on which the team passes the obstacle (arXiv:2502.03346).
 
 Departures from their robot, a Stretch whose arm reaches out sideways with a wrist that the human can turn:
 
-- Here the robot stands behind the object, so the cost at the end of the horizon is the object's distance from the
-  goal, not the base's.
-- The arm keeps its shape, and its first joint turns it toward the hand, as their wrist lets the object turn.
+- What their MPC plans for the base, it plans here for the robot's end of the object: a point with a heading, which eq. (7)
+  then follows with base and arm. Here the robot stands behind the object, so a base that swings out pulls the object
+  along, and meets the walls.
+- The cost at the end of the horizon is the object's distance from the goal, not the base's.
+- The object's heading is that to the hand, as their wrist lets the object turn.
 - The policy decides once per planning step, by default 5 times a second, not 15 times.
 """
 
@@ -21,52 +23,22 @@ import cocarry
 import numpy as np
 
 from passing_inference import LEFT, RIGHT, Floats, bearing_around, side_posterior
-from sampling_mpc import Mppi, carried_position, goal_cost, uncertainty_cost
+from sampling_mpc import Mppi, carried_position, goal_cost, uncertainty_cost, unicycle
 from scenes import Scene
 
-
-@dataclass(frozen=True)
-class Base:
-    """A differential base with an arm whose first joint turns about an upright axis ahead of the wheels' axle."""
-
-    #: Distance between the wheels, m.
-    track_m: float = 0.374
-    #: How far the axis of the arm's first joint is ahead of the axle, m.
-    shoulder_ahead_m: float = 0.033
-    #: Number of joints of the arm, and the largest rate of the first one, rad/s.
-    joints: int = 7
-    shoulder_rate_limit: float = 1.256
-
-    def inputs(self, speed: float, rate: float, shoulder_rate: float) -> Floats:
-        """u: rim speeds (m/s) of the left and the right wheel, then joint rates (rad/s)."""
-        half = 0.5 * rate * self.track_m
-        u = np.zeros(2 + self.joints)
-        u[:3] = speed - half, speed + half, shoulder_rate
-        return u
-
-
-#: The built-in robot `carrier`.
-CARRIER = Base()
+#: Number of poses of a reference.
+REFERENCES = 8
+#: Length of a planning step, s: views do not tell it.
+PLANNING_STEP_S = 0.2
 
 
 @dataclass(frozen=True)
 class _Sight:
-    """What the policy saw at the beginning of a planning step."""
+    """What the policy saw at the beginning of a planning step: time (s), and the positions of grasp and hand, m."""
 
     time_s: float
-    #: x, y (m) and yaw (rad) of the base, and the hand's position, m, in the world.
-    base: Floats
+    grasp: Floats
     hand: Floats
-
-    def velocities(self, last: _Sight | None) -> tuple[Floats, Floats]:
-        """The base's speed ahead (m/s) and turning rate (rad/s), and the hand's velocity (2,), m/s, since `last`."""
-        if last is None or self.time_s <= last.time_s:
-            return np.zeros(2), np.zeros(2)
-        period = self.time_s - last.time_s
-        moved, turned = self.base[:2] - last.base[:2], _wrapped(self.base[2] - last.base[2])
-        heading = last.base[2] + 0.5 * turned
-        speed = float(moved @ (math.cos(heading), math.sin(heading)))
-        return np.array([speed, turned]) / period, (self.hand - last.hand) / period
 
 
 class VanillaMpc(cocarry.Policy):
@@ -76,60 +48,61 @@ class VanillaMpc(cocarry.Policy):
     seed: of the samples.
 
     While the human follows, the robot leads on the option on whose side the object is; once the human takes the lead,
-    it keeps it. The base is driven by the MPC either way. On plants without bodies, the human leads.
+    they keep it. The MPC moves the robot either way. On plants without bodies, the human leads.
     """
 
     version = "1.0"
     name = "vanilla-mpc"
     #: The robot stands still once the object's centre is this near to the goal, m.
     STOP_DISTANCE_M = 0.25
-    #: Time in which the arm's first joint turns toward the hand, s.
-    TURNING_TIME_S = 0.4
 
-    def __init__(self, scene: Scene, seed: int = 0, base: Base = CARRIER) -> None:
-        self.scene, self.base = scene, base
+    def __init__(self, scene: Scene, seed: int = 0) -> None:
+        self.scene = scene
         self.mppi = Mppi(seed)
         self.last: _Sight | None = None
+        #: The heading (rad) in which the robot's end of the object moves, and its turning rate (rad/s).
+        self.heading, self.rate = math.nan, 0.0
         #: Posterior of left and right, as of the last planning step.
         self.posterior = np.full(2, 0.5)
 
     def decide(self, view: cocarry.RobotView) -> cocarry.Decision | None:
-        """Who leads, and the inputs of base and arm for this planning step."""
-        if view.configuration is None or view.hand is None or view.object is None:
+        """Who leads, and the reference of the grasp for the next planning steps."""
+        if view.grasp is None or view.hand is None or view.object is None:
             return None
-        seen = _Sight(view.time_s, view.configuration[:3], view.hand[:2, 3])
-        inputs, human_velocity = seen.velocities(self.last)
-        self.last = seen
+        seen = _Sight(view.time_s, np.asarray(view.grasp[:2, 3]), np.asarray(view.hand[:2, 3]))
+        velocity, human_velocity = self._velocities(seen)
+        if math.isnan(self.heading):
+            self.heading = math.atan2(view.object[1, 0], view.object[0, 0])
+        facing = np.array([math.cos(self.heading), math.sin(self.heading)])
         position = np.asarray(view.object[:2, 3])
         obstacle, goal = self.scene.look(view, position)
-        facing = np.array([math.cos(seen.base[2]), math.sin(seen.base[2])])
-        self.posterior = side_posterior(obstacle, goal, position, human_velocity, inputs[0] * facing)
+        self.posterior = side_posterior(obstacle, goal, position, human_velocity, velocity)
+        pose = np.array([*seen.grasp, self.heading])
         if self.scene.is_near_end(position, self.STOP_DISTANCE_M):
-            speed, rate = 0.0, 0.0
+            plan = np.zeros((self.mppi.horizon, 2))
         else:
-            held = _in_frame(seen.base, position)
-            speed, rate = self.mppi.command(
-                seen.base,
-                inputs,
+            held = _in_frame(pose, position)
+            self.mppi.command(
+                pose,
+                (max(0.0, float(velocity @ facing)), self.rate),
                 lambda poses: self._running_cost(poses, held, obstacle, goal, human_velocity),
                 lambda poses: goal_cost(carried_position(poses, held), goal),
             )
-        u = self.base.inputs(speed, rate, self._shoulder_rate(view, seen, rate))
-        return cocarry.Decision(lead=self._lead(view, obstacle, goal), inputs=u)
+            plan = self.mppi.plan
+        way = planned_poses(pose, plan, self.mppi.period)
+        self.last, self.heading, self.rate = seen, float(way[0, 2]), float(plan[0, 1])
+        return cocarry.Decision(lead=self._lead(view, obstacle, goal), reference=facing_hand(way, seen.hand, human_velocity))
+
+    def _velocities(self, seen: _Sight) -> tuple[Floats, Floats]:
+        """The velocities (2,) of grasp and hand since the last planning step, m/s."""
+        if self.last is None or seen.time_s <= self.last.time_s:
+            return np.zeros(2), np.zeros(2)
+        period = seen.time_s - self.last.time_s
+        return (seen.grasp - self.last.grasp) / period, (seen.hand - self.last.hand) / period
 
     def _running_cost(self, poses: Floats, held: Floats, obstacle: Floats, goal: Floats, human_velocity: Floats) -> Floats:
-        """The cost of poses (n, 3) of a base that holds the object at (2,), m, in its own frame."""
-        return self.scene.clearance(poses[:, :2])
-
-    def _shoulder_rate(self, view: cocarry.RobotView, seen: _Sight, turning_rate: float) -> float:
-        """Rate of the arm's first joint, rad/s, that turns arm and object toward the hand while the base turns."""
-        assert view.grasp is not None
-        heading = np.array([math.cos(seen.base[2]), math.sin(seen.base[2])])
-        shoulder = seen.base[:2] + self.base.shoulder_ahead_m * heading
-        to_grasp, to_hand = view.grasp[:2, 3] - shoulder, seen.hand - shoulder
-        error = _wrapped(math.atan2(to_hand[1], to_hand[0]) - math.atan2(to_grasp[1], to_grasp[0]))
-        limit = self.base.shoulder_rate_limit
-        return min(max(error / self.TURNING_TIME_S - turning_rate, -limit), limit)
+        """The cost of poses (n, 3) of the robot's end, with the object's centre at `held` (2,), m, in their frame."""
+        return self.scene.clearance(poses[:, :2], carried_position(poses, held))
 
     def _lead(self, view: cocarry.RobotView, obstacle: Floats, goal: Floats) -> int | None:
         """The option on which the robot leads; None once the human has taken the lead."""
@@ -142,12 +115,14 @@ class VanillaMpc(cocarry.Policy):
         return LEFT if bearing_around(obstacle, goal, view.position) >= 0.0 else RIGHT
 
     def save(self) -> bytes:
-        """The plan, the generator, and what was seen last."""
-        return pickle.dumps((self.mppi.plan, self.mppi.generator.bit_generator.state, self.last, self.posterior))
+        """The plan, the generator, and what was seen and done last."""
+        state = self.mppi.plan, self.mppi.generator.bit_generator.state
+        return pickle.dumps((*state, self.last, self.heading, self.rate, self.posterior))
 
     def restore(self, state: bytes) -> None:
         """Restores what `save` returned."""
-        self.mppi.plan, self.mppi.generator.bit_generator.state, self.last, self.posterior = pickle.loads(state)
+        self.mppi.plan, generator, self.last, self.heading, self.rate, self.posterior = pickle.loads(state)
+        self.mppi.generator.bit_generator.state = generator
 
 
 class IcMpc(VanillaMpc):
@@ -158,26 +133,38 @@ class IcMpc(VanillaMpc):
 
     name = "ic-mpc"
 
-    def __init__(self, scene: Scene, seed: int = 0, base: Base = CARRIER, uncertainty_weight: float = 1.0) -> None:
-        super().__init__(scene, seed, base)
+    def __init__(self, scene: Scene, seed: int = 0, uncertainty_weight: float = 1.0) -> None:
+        super().__init__(scene, seed)
         self.uncertainty_weight = uncertainty_weight
 
     def _running_cost(self, poses: Floats, held: Floats, obstacle: Floats, goal: Floats, human_velocity: Floats) -> Floats:
         """That of vanilla MPC, and the human's uncertainty."""
         uncertainty = uncertainty_cost(poses, held, obstacle, goal, human_velocity)
-        return self.scene.clearance(poses[:, :2]) + self.uncertainty_weight * uncertainty
+        return self.scene.clearance(poses[:, :2], carried_position(poses, held)) + self.uncertainty_weight * uncertainty
 
     def _side(self, view: cocarry.RobotView, obstacle: Floats, goal: Floats) -> int:
         """The likelier side of the posterior."""
         return int(np.argmax(self.posterior))
 
 
-def _in_frame(base: Floats, position: Floats) -> Floats:
-    """A position, m, in the frame of a base at x, y (m) and yaw (rad): ahead and to the left."""
-    offset, cosine, sine = position - base[:2], math.cos(base[2]), math.sin(base[2])
+def planned_poses(pose: Floats, plan: Floats, period: float) -> Floats:
+    """The poses (REFERENCES, 3) at the ends of the next planning steps, of inputs (n, 2) for a period (s) each."""
+    step = PLANNING_STEP_S / 4.0
+    poses = []
+    for i in range(4 * REFERENCES):
+        pose = unicycle(pose, plan[min(int((i + 0.5) * step / period), len(plan) - 1)], step)
+        poses.append(pose)
+    return np.array(poses[3::4])
+
+
+def facing_hand(way: Floats, hand: Floats, hand_velocity: Floats) -> Floats:
+    """The positions of poses (n, 3), with the heading to a hand that keeps its velocity (m/s)."""
+    times = PLANNING_STEP_S * np.arange(1, len(way) + 1)
+    to_hand = hand + times[:, np.newaxis] * hand_velocity - way[:, :2]
+    return np.column_stack([way[:, :2], np.arctan2(to_hand[:, 1], to_hand[:, 0])])
+
+
+def _in_frame(pose: Floats, position: Floats) -> Floats:
+    """A position, m, in the frame of a pose x, y (m) and yaw (rad): ahead and to the left."""
+    offset, cosine, sine = position - pose[:2], math.cos(pose[2]), math.sin(pose[2])
     return np.array([cosine * offset[0] + sine * offset[1], cosine * offset[1] - sine * offset[0]])
-
-
-def _wrapped(angle: float) -> float:
-    """The angle from -pi to pi, rad."""
-    return math.remainder(angle, 2.0 * math.pi)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from passing_inference import LEFT, RIGHT, Floats, bearing_around, has_passed
-from sampling_mpc import clearance_cost
+from sampling_mpc import CLEARANCE_M, clearance_cost
 
 
 class Scene(Protocol):
@@ -23,8 +23,8 @@ class Scene(Protocol):
     def look(self, view: cocarry.RobotView, position: Floats) -> tuple[Floats, Floats]:
         """The obstacle to pass and the goal, for an object at a position."""
 
-    def clearance(self, positions: Floats) -> Floats:
-        """The cost of being near obstacles at positions (n, 2) of the base."""
+    def clearance(self, base: Floats, carried: Floats) -> Floats:
+        """The cost of being near obstacles, for positions (n, 2) of the base and of the object's centre."""
 
     def option(self, view: cocarry.RobotView, side: int) -> int:
         """The option on which the robot leads if it wants to pass on a side."""
@@ -34,18 +34,22 @@ class Scene(Protocol):
 
 
 class OnePost:
-    """One obstacle, by its centre, and the goal of the object: the paper's."""
+    """One obstacle, by its centre, and the goal of the object: the paper's.
 
-    def __init__(self, obstacle: tuple[float, float], goal: tuple[float, float]) -> None:
-        self.obstacle, self.goal = np.array(obstacle, float), np.array(goal, float)
+    walls: if given, the base and the object keep clear of all faces of the world, which the paper's robot does not: it
+        knows no walls, and its base alone keeps clear of the obstacle.
+    """
+
+    def __init__(self, obstacle: tuple[float, float], goal: tuple[float, float], walls: Walls | None = None) -> None:
+        self.obstacle, self.goal, self.walls = np.array(obstacle, float), np.array(goal, float), walls
 
     def look(self, view: cocarry.RobotView, position: Floats) -> tuple[Floats, Floats]:
         """Obstacle and goal."""
         return self.obstacle, self.goal
 
-    def clearance(self, positions: Floats) -> Floats:
-        """The paper's cost of clearance, by the distance from the obstacle's centre."""
-        return clearance_cost(positions, self.obstacle)
+    def clearance(self, base: Floats, carried: Floats) -> Floats:
+        """The paper's cost of clearance, by the distance of the base from the obstacle's centre; or that of the walls."""
+        return clearance_cost(base, self.obstacle) if self.walls is None else self.walls.clearance(base, carried)
 
     def option(self, view: cocarry.RobotView, side: int) -> int:
         """The cheapest option on that side; beyond the obstacle, the executed one."""
@@ -111,11 +115,11 @@ class Walls:
         [obstacle], _ = self.nearest([0.5 * (position + goal)])
         return obstacle, goal
 
-    def clearance(self, positions: Floats) -> Floats:
-        """The paper's cost of clearance, by the distance from the nearest face; 10 within an obstacle."""
-        nearest, distance = self.nearest(positions)
-        away = np.where((distance > 5e-4)[:, np.newaxis], positions - nearest, (5e-4, 0.0))
-        return clearance_cost(away, (0.0, 0.0))
+    def clearance(self, base: Floats, carried: Floats) -> Floats:
+        """The paper's cost of clearance of base and object, by their distances from the nearest face; 10 within one."""
+        _, distance = self.nearest(np.concatenate([base, carried]))
+        away = np.stack([np.maximum(distance, CLEARANCE_M / 1024.0), np.zeros(len(distance))], axis=-1)
+        return np.asarray(clearance_cost(away, (0.0, 0.0)).reshape(2, -1).sum(axis=0))
 
     def option(self, view: cocarry.RobotView, side: int) -> int:
         """The executed option, or the cheapest at the start, whatever the side."""

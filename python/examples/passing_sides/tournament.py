@@ -28,8 +28,8 @@ from scenes import OnePost, Scene, Walls
 ROOM = pathlib.Path(__file__).with_name("room.toml")
 WORLDS = ["room", "environment-1", "environment-2", "environment-3", "environment-4"]
 HUMANS = ["force", "scripted", "boltzmann", "preference"]
-#: The policies of the paper.
-OTHERS: dict[str, type[VanillaMpc]] = {"ic-mpc": IcMpc, "vanilla-mpc": VanillaMpc}
+#: The policies of the paper, as published, and with base and object kept clear of all walls.
+OTHERS: dict[str, type[VanillaMpc]] = {"ic-mpc": IcMpc, "vanilla-mpc": VanillaMpc, "ic-mpc-walls": IcMpc, "vanilla-mpc-walls": VanillaMpc}
 POLICIES = [*OTHERS, "mutual", "mutual-learns", "follow-hand", "human-led", "robot-led"]
 SPEED_M_PER_S = 0.3
 SUCCESS_DISTANCE_M = 0.25
@@ -69,10 +69,10 @@ def play(cell: Cell) -> Result:
     """Plays an episode."""
     world = cocarry.World(ROOM) if cell.world == "room" else cocarry.World(cell.world)
     limit = TIME_LIMIT_S.get(cell.world, TIME_LIMIT_S["other"])
-    options = len(world.options())
+    options = world.options()
     draws = np.random.default_rng([cell.seed, 43])
-    preferred, patience_ns = int(draws.integers(options)), float(draws.uniform(10.0, 80.0))
-    model = {"scripted": f"scripted(0:{preferred + 1})", "boltzmann": "boltzmann(2)"}.get(cell.human, "preference")
+    preferred, patience_ns = int(draws.integers(len(options))), float(draws.uniform(10.0, 80.0))
+    model = {"scripted": f"scripted(0:{options[preferred]})", "boltzmann": "boltzmann(2)"}.get(cell.human, "preference")
     built_in: dict[str, Any] = {} if cell.policy in OTHERS else {"method": cell.policy.removesuffix("-learns")}
     scenario = cocarry.Scenario(
         world,
@@ -92,7 +92,9 @@ def play(cell: Cell) -> Result:
             option_paths(scenario), preferred, reach_m=reach_m, speed_m_per_s=SPEED_M_PER_S, patience_ns=patience_ns
         )
     if cell.policy in OTHERS:
-        scene: Scene = OnePost((0.0, 0.0), (float(world.target[0]), float(world.target[1]))) if cell.world == "room" else Walls(world)
+        walls = Walls(world) if cell.world != "room" or cell.policy.endswith("-walls") else None
+        target = (float(world.target[0]), float(world.target[1]))
+        scene: Scene = OnePost((0.0, 0.0), target, walls) if cell.world == "room" or walls is None else walls
         partners["policy"] = OTHERS[cell.policy](scene, cell.seed)
     episode = cocarry.Episode(scenario, **partners)
     hands: list[tuple[float, float]] = []
@@ -192,16 +194,19 @@ def main() -> None:
         results = list(pool.map(play, cells, chunksize=given.seeds))
     for line in table(cells, results):
         print(line)
-    if set(OTHERS) <= set(given.policies):
-        print("\nIC-MPC minus vanilla MPC, where both succeed:")
+    for suffix in ("", "-walls"):
+        first, second = f"ic-mpc{suffix}", f"vanilla-mpc{suffix}"
+        if not {first, second} <= set(given.policies):
+            continue
+        print(f"\n{first} minus {second}, where both succeed:")
         for world in given.worlds:
             for human in given.humans:
                 played = {
                     policy: [result for cell, result in zip(cells, results) if (cell.world, cell.human, cell.policy) == (world, human, policy)]
-                    for policy in ("ic-mpc", "vanilla-mpc")
+                    for policy in (first, second)
                 }
-                count, *time = paired_difference(played["ic-mpc"], played["vanilla-mpc"], "time_s")
-                _, *acceleration = paired_difference(played["ic-mpc"], played["vanilla-mpc"], "hand_acceleration_m_per_s2")
+                count, *time = paired_difference(played[first], played[second], "time_s")
+                _, *acceleration = paired_difference(played[first], played[second], "hand_acceleration_m_per_s2")
                 print(
                     f"{world}, {human}: n {count}, time {time[0]:+.2f} s ({time[1]:+.2f} to {time[2]:+.2f}), "
                     f"acceleration {acceleration[0]:+.4f} m/s^2 ({acceleration[1]:+.4f} to {acceleration[2]:+.4f})"
