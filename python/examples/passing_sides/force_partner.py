@@ -15,6 +15,7 @@ import cocarry
 import numpy as np
 
 from passing_inference import Floats
+from scenes import Walls
 
 
 def option_paths(scenario: cocarry.Scenario) -> list[Floats]:
@@ -43,6 +44,7 @@ class ForcePartner(cocarry.Human):
     damping: force per speed by which the hand gives way, N s/m.
     patience_ns: how much force (N, times seconds) against their own option the human bears before taking the option
         toward which the force pulls; infinite for one who never does.
+    walls: if given, the human steps aside from faces nearer than CLEAR_M to their body's axis.
     """
 
     version = "1.0"
@@ -53,6 +55,8 @@ class ForcePartner(cocarry.Human):
     BODY_AHEAD_M = 0.4
     #: The human slows down at this distance from the end, m.
     SLOWING_M = 0.3
+    #: The human's body keeps this far from walls, m: its radius is 0.2 m.
+    CLEAR_M = 0.5
     #: Forces below this do not count against the human's option, N.
     NOTICED_FORCE_N = 5.0
     #: Largest speed of the hand as a multiple of the preferred one.
@@ -67,9 +71,10 @@ class ForcePartner(cocarry.Human):
         speed_m_per_s: float = 0.3,
         damping: float = 150.0,
         patience_ns: float = 40.0,
+        walls: Walls | None = None,
     ) -> None:
         self.paths = [_extended(np.asarray(path, float), reach_m + self.BODY_AHEAD_M) for path in paths]
-        self.option, self.patience_ns = option, patience_ns
+        self.option, self.patience_ns, self.walls = option, patience_ns, walls
         self.speed_m_per_s, self.damping = speed_m_per_s, damping
         self.wrench: Floats | None = None
         #: The direction in which the object is ahead at the hand, of length 1.
@@ -92,7 +97,7 @@ class ForcePartner(cocarry.Human):
         wrench = self.wrench if view.hand_wrench is None or view.period == 0 else view.hand_wrench
         pull = np.zeros(2) if wrench is None else -np.asarray(wrench)[:2]
         here = np.asarray(view.hand)
-        velocity = self.speed_m_per_s * self._ahead(self.option, here) + pull / self.damping
+        velocity = self.speed_m_per_s * (self._ahead(self.option, here) + self._aside(here)) + pull / self.damping
         fastest = self.FASTEST * self.speed_m_per_s
         speed = math.hypot(*velocity)
         if speed > fastest:
@@ -131,6 +136,16 @@ class ForcePartner(cocarry.Human):
         beyond = nearest + 1 + int(np.searchsorted(along, self.LOOKAHEAD_M))
         to = path[min(beyond, len(path) - 1)] - body
         return np.asarray(to / max(math.hypot(*to), self.SLOWING_M))
+
+    def _aside(self, here: Floats) -> Floats:
+        """The direction away from the nearest face, the longer the nearer it is: 0 at CLEAR_M, 2 where the body touches."""
+        if self.walls is None:
+            return np.zeros(2)
+        body = here + self.BODY_AHEAD_M * self.facing
+        [nearest], [distance] = self.walls.nearest([body])
+        if not 0.0 < distance < self.CLEAR_M:
+            return np.zeros(2)
+        return np.asarray((body - nearest) / distance * 2.0 * (self.CLEAR_M - distance) / (self.CLEAR_M - 0.2))
 
     def save(self) -> bytes:
         """Option, force borne, and what was felt and seen last."""

@@ -89,7 +89,12 @@ def play(cell: Cell) -> Result:
     if cell.human == "force":
         reach_m = 0.45 if cell.world == "room" else 0.6
         partners["human"] = ForcePartner(
-            option_paths(scenario), preferred, reach_m=reach_m, speed_m_per_s=SPEED_M_PER_S, patience_ns=patience_ns
+            option_paths(scenario),
+            preferred,
+            reach_m=reach_m,
+            speed_m_per_s=SPEED_M_PER_S,
+            patience_ns=patience_ns,
+            walls=Walls(world),
         )
     if cell.policy in OTHERS:
         walls = Walls(world) if cell.world != "room" or cell.policy.endswith("-walls") else None
