@@ -211,6 +211,9 @@ def main() -> None:
                     for policy in (first, second)
                 }
                 count, *time = paired_difference(played[first], played[second], "time_s")
+                if count < 2:
+                    print(f"{world}, {human}: n {count}")
+                    continue
                 _, *acceleration = paired_difference(played[first], played[second], "hand_acceleration_m_per_s2")
                 print(
                     f"{world}, {human}: n {count}, time {time[0]:+.2f} s ({time[1]:+.2f} to {time[2]:+.2f}), "
