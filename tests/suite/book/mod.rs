@@ -87,6 +87,7 @@ pages! {
     the_page_of_the_physical_plant_can_be_followed: "book/src/physical-plant.md",
     the_page_of_releases_can_be_followed: "book/src/releasing.md",
     the_page_of_results_can_be_followed: "book/src/results.md",
+    the_page_of_the_second_paper_can_be_followed: "book/src/second-paper.md",
     the_page_of_performance_can_be_followed: "book/src/performance.md",
     the_page_of_learning_can_be_followed: "book/src/learning.md",
     the_page_of_deviations_can_be_followed: "book/src/deviations.md",

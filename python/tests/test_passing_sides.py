@@ -1,0 +1,259 @@
+"""The passing-side example: inference, costs and sampling MPC against closed forms; its policies carry."""
+
+from __future__ import annotations
+
+import importlib
+import math
+import pathlib
+import sys
+import types
+
+import numpy as np
+import pytest
+
+import cocarry
+
+FOLDER = pathlib.Path(__file__).parents[1] / "examples" / "passing_sides"
+pytestmark = pytest.mark.skipif(not FOLDER.is_dir(), reason="the examples are not next to the tests")
+
+OBSTACLE, GOAL = (0.0, 0.0), (2.0, 0.0)
+
+
+@pytest.fixture
+def inference(monkeypatch):
+    monkeypatch.syspath_prepend(str(FOLDER))
+    return importlib.import_module("passing_inference")
+
+
+@pytest.fixture
+def control(monkeypatch):
+    monkeypatch.syspath_prepend(str(FOLDER))
+    return importlib.import_module("sampling_mpc")
+
+
+def around(degrees, distance=1.5):
+    """A position at this angle at the obstacle from the goal."""
+    return (distance * math.cos(math.radians(degrees)), distance * math.sin(math.radians(degrees)))
+
+
+@pytest.mark.parametrize(("degrees", "left"), [(180, 0.5), (135, 0.75), (90, 1.0), (45, 1.0), (-135, 0.25), (-90, 0.0), (-30, 0.0)])
+def test_closed_form_the_prior_is_linear_in_the_angle_before_the_obstacle_and_certain_beyond(inference, degrees, left):
+    prior = inference.side_prior(OBSTACLE, GOAL, around(degrees))
+    assert prior == pytest.approx([left, 1 - left], abs=1e-15)
+
+
+def test_closed_form_the_likelihood_straight_before_the_obstacle(inference):
+    likelihood = inference.action_likelihood(OBSTACLE, GOAL, (-1.0, 0.0))
+    score = [0.5 * math.cos(math.pi / 4 * i - math.pi / 3) * (1 + math.cos(math.pi / 4 * i)) for i in range(8)] + [0.0]
+    expected = np.exp(score) / np.exp(score).sum()
+    assert likelihood[inference.LEFT] == pytest.approx(expected, abs=1e-15)
+    assert likelihood[inference.LEFT].argmax() == 1  # ahead and to the left
+    mirrored = expected[[0, 7, 6, 5, 4, 3, 2, 1, 8]]
+    assert likelihood[inference.RIGHT] == pytest.approx(mirrored, abs=1e-15)
+
+
+def test_closed_form_beyond_the_obstacle_the_likelihood_is_that_of_walking_to_the_goal(inference):
+    likelihood = inference.action_likelihood(OBSTACLE, GOAL, (1.0, 0.0))
+    expected = np.exp([math.cos(math.pi / 4 * i) for i in range(8)] + [0.0])
+    assert likelihood == pytest.approx(np.stack([expected, expected]) / expected.sum(), abs=1e-15)
+
+
+def test_closed_form_the_posterior_is_prior_times_both_likelihoods(inference):
+    position, ahead_left, standing = around(150), (0.2, 0.2), (0.0, 0.09)
+    likelihood = inference.action_likelihood(OBSTACLE, GOAL, position)
+    joint = inference.side_prior(OBSTACLE, GOAL, position) * likelihood[:, 1] * likelihood[:, 8]
+    found = inference.side_posterior(OBSTACLE, GOAL, position, ahead_left, standing)
+    assert found == pytest.approx(joint / joint.sum(), abs=1e-15)
+
+
+def test_a_velocity_is_its_nearest_direction_and_a_slow_one_is_standing(inference):
+    degrees = np.array([0, 22, 23, 45, 180, -22, -23, 338])
+    velocities = 0.1001 * np.stack([np.cos(np.radians(degrees)), np.sin(np.radians(degrees))], axis=-1)
+    assert inference.action_of(velocities).tolist() == [0, 0, 1, 1, 4, 0, 7, 0]
+    assert inference.action_of((0.0999, 0.0)) == 8
+
+
+def test_closed_form_entropy_in_bit(inference):
+    assert inference.entropy([[0.5, 0.5], [1.0, 0.0], [0.75, 0.25]]) == pytest.approx([1.0, 0.0, 2 - 0.75 * math.log2(3)])
+
+
+def test_metamorphic_a_turned_and_moved_room_has_the_same_posterior_and_a_mirrored_one_the_other_side(inference):
+    generator = np.random.default_rng(1)
+    positions, velocities = generator.uniform(-2, 2, (100, 2)), 0.3 * generator.standard_normal((2, 100, 2))
+    found = inference.side_posterior(OBSTACLE, GOAL, positions, *velocities)
+    quarter, offset = np.array([[0.0, -1.0], [1.0, 0.0]]), np.array([3.0, -1.0])
+    moved = [np.asarray(point) @ quarter.T + offset for point in (OBSTACLE, GOAL, positions)]
+    assert inference.side_posterior(*moved, *(v @ quarter.T for v in velocities)) == pytest.approx(found, abs=1e-12)
+    mirror = np.array([1.0, -1.0])
+    mirrored = inference.side_posterior(OBSTACLE, GOAL, positions * mirror, *(v * mirror for v in velocities))
+    assert mirrored == pytest.approx(found[:, ::-1], abs=1e-12)
+
+
+def test_closed_form_costs(control):
+    assert control.clearance_cost([(0.25, 0.0), (0.5, 0.0), (3.0, 4.0)], OBSTACLE) == pytest.approx([1.0, 0.0, 0.0])
+    assert control.goal_cost([(2.0, 0.0), (2.0, 3.0)], GOAL) == pytest.approx([0.0, 9.0])
+    assert control.carried_position((1.0, 2.0, math.pi / 2), (0.8, 0.1)) == pytest.approx([0.9, 2.8])
+
+
+def test_the_uncertainty_cost_is_least_where_the_base_faces_the_humans_side(control):
+    faces = np.radians([0.0, 45.0, -45.0])
+    poses = np.stack([np.full(3, -2.5), np.full(3, 0.0), faces], axis=-1)
+    # the object stays straight before the obstacle, so that only the robot's action differs
+    cost = [control.uncertainty_cost(pose, (0.0, 0.0), OBSTACLE, GOAL, (0.2, 0.2)) for pose in poses]
+    assert cost[1] < cost[0] < cost[2] == pytest.approx(1.0)
+
+
+def test_closed_form_a_unicycle_goes_on_arcs(control):
+    quarter = control.unicycle((1.0, 0.0, 0.0), (math.pi / 2, math.pi / 2), 1.0)
+    assert quarter == pytest.approx([2.0, 1.0, math.pi / 2])
+    assert control.unicycle((0.0, 0.0, math.pi / 2), (0.3, 0.0), 0.5) == pytest.approx([0.0, 0.15, math.pi / 2])
+    half = control.unicycle((0.0, 0.0, math.pi / 2), (0.0, math.pi), 0.75)
+    assert half == pytest.approx([0.0, 0.0, -0.75 * math.pi])
+
+
+def test_an_mppi_update_is_the_mean_of_inputs_weighted_by_cost(control):
+    mppi = control.Mppi(seed=0, samples=2, horizon=1)
+    plan, noise = np.array([[0.1, 0.2]]), np.array([[[0.1, 0.3]], [[9.0, -0.4]]])
+    final = lambda poses: poses[:, 0]  # noqa: E731
+    found = mppi.improved(plan, noise, (0.0, 0.0, 0.0), lambda poses: np.zeros(2), final)
+    inputs = np.array([[0.2, 0.5], [0.3, -0.2]])  # within the limits
+    x = [0.2 / 0.5 * math.sin(0.125), 0.3 / 0.2 * math.sin(0.05)]
+    cost = [x[i] + 0.1 * (inputs[i][0] - 0.1) / 0.25 + 0.2 * (inputs[i][1] - 0.2) for i in range(2)]
+    weight = np.exp(-np.array(cost))
+    assert found == pytest.approx((weight @ inputs / weight.sum())[np.newaxis])
+
+
+def test_the_same_seed_gives_the_same_inputs(control):
+    def commands(seed):
+        mppi = control.Mppi(seed=seed)
+        costs = lambda poses: np.zeros(len(poses)), lambda poses: control.goal_cost(poses[:, :2], GOAL)  # noqa: E731
+        return [mppi.command((-2.0, 0.0, 0.0), (0.0, 0.0), *costs).tobytes() for _ in range(3)]
+
+    assert commands(4) == commands(4) != commands(5)
+
+
+@pytest.fixture
+def scenes(monkeypatch):
+    monkeypatch.syspath_prepend(str(FOLDER))
+    return importlib.import_module("scenes")
+
+
+def test_a_path_has_the_side_on_which_it_passes_the_obstacle(inference, scenes):
+    obstacle, goal = np.array(OBSTACLE), np.array(GOAL)
+    left = np.array([(-2.0, 0.0), (0.0, 0.7), (2.0, 0.0)])
+    assert scenes.side_of(left, obstacle, goal) == inference.LEFT
+    assert scenes.side_of(left * (1, -1), obstacle, goal) == inference.RIGHT
+    assert scenes.side_of(left[2:], obstacle, goal) is None
+    assert scenes.side_of(np.array([(0.5, 1.0), (2.0, 0.0)]), obstacle, goal) is None
+
+
+def test_closed_form_a_point_ahead_on_a_path(scenes):
+    path = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 5.0)])
+    assert scenes.point_ahead(path, 1.5) == pytest.approx([1.0, 0.5])
+    assert scenes.point_ahead(path, 9.0) == pytest.approx([1.0, 5.0])
+
+
+@pytest.mark.skipif(sys.version_info < (3, 11), reason="Walls reads TOML with Python 3.11's tomllib")
+def test_closed_form_the_nearest_points_of_walls(scenes):
+    text = """
+name = "Box and post"
+robot_width_m = 0.5
+start_m = [-3.0, 0.0]
+target_m = [5.0, 0.0]
+[[obstacle]]
+name = "box"
+shape = "box"
+center_m = [0.0, 2.0]
+size_m = [4.0, 2.0]
+yaw_deg = 90.0
+height_m = 1.0
+[[obstacle]]
+name = "post"
+shape = "cylinder"
+center_m = [3.0, 0.0]
+radius_m = 0.5
+height_m = 1.0
+[[option]]
+name = "all"
+openings = []
+"""
+    walls = scenes.Walls(cocarry.World.parse(text))
+    points, distances = walls.nearest([(-2.0, 1.0), (1.8, 0.0), (0.5, 2.0)])
+    assert distances == pytest.approx([1.0, 0.7, 0.0])
+    assert points == pytest.approx(np.array([(-1.0, 1.0), (2.5, 0.0), (0.5, 2.0)]))
+    base, carried = np.array([(-1.25, 1.0), (-2.0, 1.0)]), np.array([(-9.0, 0.0), (0.0, 2.0)])
+    assert walls.clearance(base, carried) == pytest.approx([1.0, 10.0])
+
+
+@pytest.fixture
+def partner(monkeypatch):
+    monkeypatch.syspath_prepend(str(FOLDER))
+    paths = [np.array([(-2.0, 0.0), (0.0, side), (2.0, 0.0)]) for side in (0.7, -0.7)]
+    return importlib.import_module("force_partner").ForcePartner(paths, 0, speed_m_per_s=0.3, damping=100.0, patience_ns=10.0)
+
+
+def hand_view(hand=(0.0, 0.7), force=None):
+    wrench = None if force is None else np.array([-force[0], -force[1], 0, 0, 0, 0])  # that on the object
+    return types.SimpleNamespace(hand=np.array(hand), hand_wrench=wrench, period=1, periods=2)
+
+
+def test_closed_form_a_hand_without_a_force_walks_its_path_and_a_force_adds_its_share_of_the_damping(partner):
+    free = np.array(partner.hand(hand_view((-2.0, 0.0)))) - (-2.0, 0.0)
+    assert np.hypot(*free) == pytest.approx(0.03)  # 0.3 m/s for 0.1 s
+    assert free[1] / free[0] == pytest.approx(0.35, abs=1e-6)
+    pulled = np.array(partner.hand(hand_view((-2.0, 0.0), (0.0, -10.0)))) - (-2.0, 0.0)
+    assert pulled - free == pytest.approx([0.0, -0.01])
+
+
+def test_a_human_changes_the_side_once_a_force_toward_it_has_used_up_the_patience(partner):
+    def decided(force, time_s):
+        hand = np.eye(4)
+        hand[:2, 3] = (-1.0, 0.0)
+        wrench = np.array([-force[0], -force[1], 0, 0, 0, 0])
+        return partner.decide(types.SimpleNamespace(hand=hand, hand_wrench=wrench, time_s=time_s)).option
+
+    assert [decided((0.0, 20.0), 0.2 * i) for i in range(10)] == [0] * 10  # toward the own side
+    against = [decided((0.0, -20.0), 2.0 + 0.2 * i) for i in range(8)]
+    assert against[:3] == [0, 0, 0] and against[-1] == 1  # 10 N s at less than 20 N take more than half a second
+
+
+def test_a_human_keeps_state_through_save_and_restore(partner):
+    state = partner.save()
+    partner.option, partner.opposed_ns = 1, 3.0
+    partner.restore(state)
+    assert (partner.option, partner.opposed_ns) == (0, 0.0)
+
+
+@pytest.mark.parametrize("policy", ["ic-mpc", "vanilla-mpc"])
+def test_the_policies_carry_deterministically_and_through_snapshots(monkeypatch, policy):
+    monkeypatch.syspath_prepend(str(FOLDER))
+    tournament = importlib.import_module("tournament")
+    scenario = cocarry.Scenario(cocarry.World(FOLDER / "room.toml"), plant="rapier", seed=3, speed_m_per_s=0.3)
+
+    def made():
+        scene = importlib.import_module("scenes").OnePost((0.0, 0.0), (2.5, 0.0))
+        return tournament.OTHERS[policy](scene, seed=3)
+
+    whole = cocarry.Episode(scenario, policy=made())
+    whole.run(12)
+    first = cocarry.Episode(scenario, policy=made())
+    first.run(6)
+    second = cocarry.Episode.resume(first.snapshot(), policy=made())
+    second.run(6)
+    assert second.tick == whole.tick
+    assert whole.position[0] > -2.5 + 0.2
+
+
+def test_a_preferred_side_is_carried_in_the_room_and_counts_as_a_success(monkeypatch):
+    monkeypatch.syspath_prepend(str(FOLDER))
+    tournament = importlib.import_module("tournament")
+    result = tournament.play(tournament.Cell("room", "scripted", "human-led", 0))
+    assert result.outcome == "success" and 15 < result.time_s < 20 and result.hand_acceleration_m_per_s2 < 0.1
+
+
+def test_closed_form_intervals_of_the_tournament(monkeypatch):
+    monkeypatch.syspath_prepend(str(FOLDER))
+    tournament = importlib.import_module("tournament")
+    assert tournament.share_interval(10, 10) == pytest.approx((1 / (1 + 1.959964**2 / 10), 1.0))
+    assert tournament.mean_interval([2.0, 2.0, 2.0]) == (2.0, 2.0, 2.0)
+    assert np.isnan(tournament.mean_interval([])[0])

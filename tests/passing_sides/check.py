@@ -1,0 +1,175 @@
+"""Compares python/examples/passing_sides with the authors' code, which runs beside it, on random states.
+
+Their nodes are written for ROS 2, which is not needed here: their modules find empty classes in its place, and only
+their cost functions are called. These work in single precision; they are compared once as they are, and once with
+double precision in its place, where only rounding is left.
+"""
+
+from __future__ import annotations
+
+import importlib.abc
+import importlib.machinery
+import math
+import pathlib
+import sys
+import types
+from typing import Any
+from unittest import mock
+
+import numpy as np
+
+STATES = 10_000
+ROLLOUTS = 100
+#: Modules of ROS 2.
+ROS = ("builtin_interfaces", "geometry_msgs", "nav_msgs", "rclpy", "sensor_msgs", "std_msgs", "tf2_msgs", "tf2_ros", "visualization_msgs")
+
+
+def empty(name: str) -> type:
+    if name.startswith("__"):
+        raise AttributeError(name)
+    return type(name, (), {})
+
+
+class EmptyRos(importlib.abc.MetaPathFinder, importlib.abc.Loader):
+    """Modules of ROS 2 in which every name is an empty class."""
+
+    def find_spec(self, name: str, path: Any, target: Any = None) -> importlib.machinery.ModuleSpec | None:
+        if name.split(".")[0] not in ROS:
+            return None
+        return importlib.machinery.ModuleSpec(name, self, is_package=True)
+
+    def create_module(self, spec: importlib.machinery.ModuleSpec) -> types.ModuleType:
+        module = types.ModuleType(spec.name)
+        module.__path__ = []
+        module.__getattr__ = empty  # type: ignore[method-assign]
+        return module
+
+    def exec_module(self, module: types.ModuleType) -> None:
+        pass
+
+
+if len(sys.argv) != 2:
+    sys.exit(f"usage: {sys.argv[0]} FOLDER, that of icmpc_collab_transport")
+theirs = pathlib.Path(sys.argv[1]) / "src"
+if not (theirs / "fluentrobotics" / "icmpc_collab_transport").is_dir():
+    sys.exit(f"{theirs}: no fluentrobotics/icmpc_collab_transport in it; give the folder of their repository")
+sys.path[:0] = [str(theirs), str(pathlib.Path(__file__).parents[2] / "python" / "examples" / "passing_sides")]
+sys.meta_path.append(EmptyRos())
+
+import torch  # noqa: E402
+import pytorch_mppi  # noqa: E402
+from fluentrobotics.icmpc_collab_transport.core import passing_inference as their_inference  # noqa: E402
+from fluentrobotics.icmpc_collab_transport.core.se2_types import Transform, Velocity  # noqa: E402
+from fluentrobotics.icmpc_collab_transport.core.strategy import PassingStrategy  # noqa: E402
+from fluentrobotics.icmpc_collab_transport.deployment.diff_drive_kinematics import kinematics  # noqa: E402
+from fluentrobotics.icmpc_collab_transport.deployment.icmpc_node import IcmpcNode  # noqa: E402
+from fluentrobotics.icmpc_collab_transport.deployment.vanilla_mpc_node import VanillaMpcNode  # noqa: E402
+
+import passing_inference as inference  # noqa: E402
+import sampling_mpc as control  # noqa: E402
+
+OBSTACLE, GOAL = np.array([0.5, 0.0]), np.array([0.5, -2.5])
+SIDES = (PassingStrategy.LEFT, PassingStrategy.RIGHT)
+failures = 0
+
+
+def report(what: str, count: int, largest: float, tolerance: float) -> None:
+    global failures
+    failures += not largest <= tolerance
+    print(f"{what:62} {count:7}  {largest:8.1e}  {tolerance:.0e}  {'ok' if largest <= tolerance else 'DIFFERS'}")
+
+
+def difference(ours: Any, other: Any) -> float:
+    return float(np.max(np.abs(np.asarray(ours, float) - np.asarray(other, float))))
+
+
+print(f"{'':62} {'numbers':>7}  {'largest':>8}  bound")
+generator = np.random.default_rng(0)
+
+
+def transform(position: Any) -> Transform:
+    return Transform(float(position[0]), float(position[1]))
+
+
+# 1. inference: half of the states in their room, half with any obstacle and goal
+positions = generator.uniform([-0.86, -2.85], [1.92, 2.71], (STATES, 2))
+obstacles, goals = np.tile(OBSTACLE, (STATES, 1)), np.tile(GOAL, (STATES, 1))
+half = STATES // 2
+obstacles[half:], goals[half:] = generator.uniform(-3, 3, (2, half, 2))
+human, robot = generator.normal(0.0, 0.3, (2, STATES, 2))
+priors, likelihoods, posteriors, entropies, actions = [], [], [], [], []
+for i in range(STATES):
+    at = (transform(obstacles[i]), transform(goals[i]), transform(positions[i]))
+    prior = their_inference.PriorDistribution(*at)
+    likelihood = their_inference.ActionLikelihoodDistribution(*at)
+    velocities = [Velocity(float(v[0]), float(v[1])) for v in (human[i], robot[i])]
+    posterior = their_inference.PosteriorDistribution(prior, likelihood, *velocities)
+    priors.append([prior.pmf[side] for side in SIDES])
+    likelihoods.append(likelihood.pmf[1:])
+    posteriors.append([posterior.pmf[side] for side in SIDES])
+    entropies.append(posterior.get_entropy())
+    actions.append(posterior._discretize_action(velocities[0]))
+ours = inference.side_posterior(obstacles, goals, positions, human, robot)
+report("prior of the sides", 2 * STATES, difference(inference.side_prior(obstacles, goals, positions), priors), 1e-12)
+report("likelihood of 9 actions given the side", 18 * STATES, difference(inference.action_likelihood(obstacles, goals, positions), likelihoods), 1e-12)
+report("action of a velocity", STATES, difference(inference.action_of(human), actions), 0)
+report("posterior of the sides", 2 * STATES, difference(ours, posteriors), 1e-12)
+report("entropy of the posterior, bit", STATES, difference(inference.entropy(ours), entropies), 1e-12)
+
+# 2. cost terms and the unicycle, in their precision and in double precision
+poses = np.column_stack([positions, generator.uniform(-math.pi, math.pi, STATES)])
+inputs = generator.uniform([0.0, -1.0], [0.3, 1.0], (STATES, 2))
+inputs[::10, 1] = 0.0
+base_to_object, human_velocity = np.array([0.1, -0.8]), np.array([0.05, -0.25])
+clearance = control.clearance_cost(poses[:, :2], OBSTACLE)
+uncertainty = control.uncertainty_cost(poses, base_to_object, OBSTACLE, GOAL, human_velocity)
+goal = control.goal_cost(poses[:, :2], GOAL)
+for name, precision, tolerance in (("single", torch.float32, 2e-5), ("double", torch.float64, 1e-12)):
+    with mock.patch.object(torch, "float32", precision):
+
+        def node(kind: type) -> Any:
+            made = object.__new__(kind)
+            made.obstacle, made.goal = transform(OBSTACLE), transform(GOAL)
+            made.obstacle_tensor, made.goal_tensor = torch.tensor(OBSTACLE, dtype=precision), torch.tensor(GOAL, dtype=precision)
+            made.tf_map_R, made.tf_R_obj = Transform(), transform(base_to_object)
+            made.v_map_H = Velocity(*map(float, human_velocity))
+            return made
+
+        vanilla, implicit = node(VanillaMpcNode), node(IcmpcNode)
+        s, a = torch.tensor(poses, dtype=precision), torch.tensor(inputs, dtype=precision)
+        report(f"cost of clearance, {name} precision", STATES, difference(clearance, vanilla.cost(s, a)), tolerance)
+        report(f"cost of clearance and entropy, {name} precision", STATES, difference(clearance + uncertainty, implicit.cost(s, a)), tolerance)
+        final = vanilla.terminal_state_cost(s[None, :, None], a[None, :, None])
+        report(f"cost at the end of the horizon, {name} precision", STATES, difference(goal, final), tolerance)
+        moved = np.asarray(kinematics(s, a), float)
+        ahead = control.unicycle(poses, inputs, 0.25)
+        turn = np.abs(np.exp(1j * moved[:, 2]) - np.exp(1j * ahead[:, 2]))
+        report(f"unicycle, {name} precision", 3 * STATES, max(difference(ahead[:, :2], moved[:, :2]), float(turn.max())), tolerance)
+
+# 3. whole updates of the MPPI library with their cost, from the same plan, noise and pose
+largest = 0.0
+with mock.patch.object(torch, "float32", torch.float64):
+    implicit = node(IcmpcNode)
+    sigma = torch.diag(torch.tensor([0.25, 1.0], dtype=torch.float64))
+    bounds = {"u_min": torch.tensor([0.0, -1.0], dtype=torch.float64), "u_max": torch.tensor([0.3, 1.0], dtype=torch.float64)}
+    library = pytorch_mppi.MPPI(kinematics, implicit.cost, 3, sigma, num_samples=100, terminal_state_cost=implicit.terminal_state_cost, **bounds)
+    mppi = control.Mppi(seed=0)
+    for i in range(ROLLOUTS):
+        plan = generator.normal(0.0, 0.3, (mppi.horizon, 2))
+        last = generator.uniform([0.0, -1.0], [0.3, 1.0])
+        noise = generator.normal(0.0, [0.5, 1.0], (mppi.samples, mppi.horizon, 2))
+        library.U, library.u_init = torch.tensor(plan), torch.tensor(last)
+
+        # the noise of this update, in place of the library's own
+        library.noise_dist = types.SimpleNamespace(rsample=lambda shape, noise=noise: torch.tensor(noise))
+        library.command(torch.tensor(poses[i]))
+        ours = mppi.improved(
+            np.concatenate([plan[1:], last[np.newaxis]]),
+            noise,
+            poses[i],
+            lambda at: control.clearance_cost(at[:, :2], OBSTACLE) + control.uncertainty_cost(at, base_to_object, OBSTACLE, GOAL, human_velocity),
+            lambda at: control.goal_cost(at[:, :2], GOAL),
+        )
+        largest = max(largest, difference(ours, library.U))
+report("plan after an MPPI update of 100 samples, double precision", ROLLOUTS * 30, largest, 1e-12)
+sys.exit(failures > 0)
