@@ -4,6 +4,7 @@ use super::{PhysicsTick, RobotTick, Tick};
 use crate::control::SolveOutcome;
 use crate::coordination::Mode;
 use crate::geometry::Point;
+use crate::robot::JointVector;
 use crate::simulation::{BodyKind, Contact, Failure, Observation};
 use serde::{Deserialize, Serialize};
 
@@ -158,6 +159,9 @@ pub struct InteractionSummary {
     pub deflection: f64,
     /// Largest motor effort of the arm in a physics step, as a share of the URDF's effort limit.
     pub effort_share: f64,
+    /// How long each joint's motor was at its limit, s.
+    #[serde(default)]
+    pub time_at_limit: JointVector,
 }
 
 impl InteractionSummary {
@@ -174,6 +178,7 @@ impl InteractionSummary {
         self.squared_jerk += tick.squared_jerk;
         self.deflection = self.deflection.max(tick.deflection[0]).max(tick.deflection[1]);
         self.effort_share = self.effort_share.max(tick.effort_share);
+        self.time_at_limit += tick.time_at_limit;
     }
 
     /// Mean of the human's force on the object, N.

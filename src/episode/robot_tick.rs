@@ -3,7 +3,7 @@
 use crate::control::{Manipulator, SolveOutcome, least_singular_value};
 use crate::geometry::{PlanarPose, Pose};
 use crate::plant::{Command, Preparation, Seen};
-use crate::robot::{Configuration, InputJacobian, InputVector, pose_difference, without_last};
+use crate::robot::{Configuration, InputJacobian, InputVector, JointVector, pose_difference, without_last};
 use crate::simulation::{BodyKind, Clearance, Observation};
 use crate::team::Place;
 use serde::{Deserialize, Serialize};
@@ -81,6 +81,9 @@ pub struct PhysicsTick {
     /// Largest motor effort of the arm in a physics step, as a share of the URDF's effort limit; 0 without
     /// such limits.
     pub effort_share: f64,
+    /// How long each joint's motor was at its limit in the step, s.
+    #[serde(default)]
+    pub time_at_limit: JointVector,
     /// Work done on the object by the robot and by the human, J.
     pub work: [f64; 2],
     /// Integral of the square of the object's jerk, m^2/s^5.
@@ -109,6 +112,7 @@ impl PhysicsTick {
             force_noise: [seen.grip.noise, seen.hand_grip.noise],
             deflection: [seen.grip.deflection, seen.hand_grip.deflection],
             effort_share: seen.effort_share,
+            time_at_limit: seen.time_at_limit,
             work: [seen.grip.work, seen.hand_grip.work],
             squared_jerk: seen.squared_jerk,
             obstacle_distance: distance(&near.robot_obstacle)

@@ -83,6 +83,7 @@ pub const EPISODE: &[Quantity] = quantities! {
     "force_above_10_hz_rms_n", NEWTONS, "noise: root mean square of a grip's force above 10 Hz, the larger of the two grips'", |v| v.interaction().map(InteractionSummary::force_noise);
     "largest_grip_deflection_m", METRES, "largest deflection of either grip", |v| v.interaction().map(|i| i.deflection);
     "largest_effort_share", PLAIN, "the most that a motor of the arm exerted, as a share of its effort limit", |v| v.interaction().map(|i| i.effort_share);
+    "time_at_effort_limit_s", SECONDS, "how long a motor of the arm was at its effort limit, the longest", |v| v.interaction().map(|i| i.time_at_limit.max());
     "lost_by", Text, "robot or human: whose grip lost the object; missing if it was not lost", |v| v.loss().map(|l| l.by.name());
     "lost_at_step", Count, "k at which the object was lost", |v| v.loss().map(|l| l.step);
     "lost_distance_m", METRES, "deflection of that grip then; on the kinematic plant the distance of the grasp from its reference", |v| v.loss().map(|l| l.distance);

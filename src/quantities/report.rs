@@ -2,7 +2,7 @@
 
 use super::View;
 use crate::episode::{ControlSummary, GRASP_WARNING_RMS_M, HumanSummary};
-use crate::robot::Robot;
+use crate::robot::{JointVector, Motion, Robot};
 use std::fmt::Write;
 
 impl View<'_> {
@@ -63,8 +63,9 @@ impl View<'_> {
             );
             let _ = writeln!(
                 text,
-                "  the arm's motors exert at most {:.0} % of their effort limits",
-                100.0 * interaction.effort_share
+                "  the arm's motors exert at most {:.0} % of their effort limits{}",
+                100.0 * interaction.effort_share,
+                at_limit(robot, &interaction.time_at_limit)
             );
         }
         if control.fallback_steps > 0 {
@@ -91,4 +92,15 @@ impl View<'_> {
         });
         off.into_iter().chain(self.self_contact()).collect()
     }
+}
+
+/// Which motors were at their limits, and how long; empty if none was.
+fn at_limit(robot: &Robot, times: &JointVector) -> String {
+    let of_joints = robot.joints.iter().zip(times.iter()).filter(|(_, time)| **time > 0.0);
+    let of_joints = of_joints.map(|(joint, time)| {
+        let unit = if joint.motion == Motion::Revolute { "Nm" } else { "N" };
+        format!("`{}` for {time:.2} s at {:.1} {unit}", joint.name, joint.effort_limit)
+    });
+    let of_joints: Vec<String> = of_joints.collect();
+    if of_joints.is_empty() { String::new() } else { format!(": {}", of_joints.join(", ")) }
 }

@@ -175,6 +175,7 @@ pub const INTERACTION: &[Quantity] = quantities! {
     "grip_force_above_10_hz_n", NEWTONS, "noise: root mean square of the robot's force above 10 Hz", |v| v.physics().map(|p| p.force_noise[0]);
     "hand_force_above_10_hz_n", NEWTONS, "noise: root mean square of the human's force above 10 Hz", |v| v.physics().map(|p| p.force_noise[1]);
     "effort_share", PLAIN, "the most that a motor of the arm exerted, as a share of its effort limit", |v| v.physics().map(|p| p.effort_share);
+    "time_at_effort_limit_s", SECONDS, "how long a motor of the arm was at its effort limit in the step, the longest", |v| v.physics().map(|p| p.time_at_limit.max());
     "grip_work_j", JOULES, "work that the robot did on the object in the step", |v| v.physics().map(|p| p.work[0]);
     "hand_work_j", JOULES, "work that the human did on the object in the step", |v| v.physics().map(|p| p.work[1]);
     "squared_jerk_m2_per_s5", SQUARED_JERK, "integral over the step of the square of the object's jerk", |v| v.physics().map(|p| p.squared_jerk);

@@ -36,6 +36,7 @@ mod postures;
 mod reach;
 mod self_contact;
 mod solid;
+mod statics;
 mod texts;
 mod tree;
 mod tuck;
@@ -61,6 +62,8 @@ pub use kinematics::{Kinematics, pose_difference};
 pub use link::{Coupling, Geometry, Inertial, Joint, JointKind, Limits, Link, Mimic, Shape};
 pub use reach::Reach;
 pub(crate) use self_contact::SelfContacts;
+pub(crate) use statics::GRAVITY;
+pub use statics::WeakestJoint;
 pub use texts::{Expand, RobotTexts};
 pub use warning::{RobotWarning, WarningKind};
 

@@ -7,8 +7,9 @@ use crate::error::{Error, Place};
 use crate::human::{Human, Participant};
 use crate::options::OptionSet;
 use crate::policy::RobotPolicy;
-use crate::robot::{Robot, RobotWarning, SlowDrive};
+use crate::robot::{Robot, RobotWarning, SlowDrive, WeakestJoint};
 use crate::world::World;
+use std::fmt;
 use std::sync::{Arc, OnceLock};
 
 /// A scenario with its world, options and robot: it owns what its episode borrows.
@@ -28,6 +29,47 @@ struct Scene {
     /// The options for the world's own `robot_width_m`, where a wider robot takes its place; built on first
     /// use.
     as_written: OnceLock<Arc<OptionSet>>,
+}
+
+/// Share of an effort limit, to hold the object at rest, beyond which there is a warning.
+const WARNING_SHARE: f64 = 0.8;
+
+/// How an arm holds its part of the object at rest.
+struct Holding<'a> {
+    robot: &'a str,
+    posture: &'a str,
+    world: &'a str,
+    /// Mass of the object, and of the arm's part, kg.
+    object: f64,
+    load: f64,
+    weakest: WeakestJoint<'a>,
+}
+
+impl Holding<'_> {
+    /// The share of its effort limit that the weakest joint exerts.
+    fn share(&self) -> f64 {
+        self.load / self.weakest.payload
+    }
+}
+
+impl fmt::Display for Holding<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Self { robot, posture, world, object, load, weakest } = self;
+        let WeakestJoint { name, limit, unit, payload } = weakest;
+        let (needed, most) = (limit * self.share(), 2.0 * payload);
+        write!(
+            f,
+            "robot `{robot}` in posture `{posture}`: to hold its half of the object at rest, {load:.2} kg of the {object:.2} kg in {world}, \
+             joint `{name}` needs {needed:.1} {unit} of its effort limit of {limit:.1} {unit}; it "
+        )?;
+        match self.share() > 1.0 {
+            true => write!(f, "can hold an object of {most:.2} kg ([object] mass_kg) at most"),
+            false => write!(
+                f,
+                "holds objects up to {most:.2} kg ([object] mass_kg), but has little left to move them"
+            ),
+        }
+    }
 }
 
 /// Partners in place of those of a scenario; `None` keeps the scenario's.
@@ -88,6 +130,7 @@ impl Scenario {
         };
         let prepared = PreparedScenario { scenario: self, scene, robot };
         prepared.check_lead_option()?;
+        prepared.check_payload()?;
         prepared.human()?;
         Ok(prepared)
     }
@@ -154,7 +197,8 @@ impl PreparedScenario {
         self.robot()?.slow_drive(self.scenario.settings.speed)
     }
 
-    /// Warnings about this robot in this world: that its width takes the place of the world's smaller one;
+    /// Warnings about this robot in this world: that its width takes the place of the world's smaller one; that
+    /// its arm hardly holds the object, or not at all on a plant without forces;
     /// and, on the plant with contacts, which shapes are missing and what collides in their place.
     pub fn robot_warnings(&self) -> Vec<String> {
         let Some(robot) = self.robot() else { return Vec::new() };
@@ -169,7 +213,30 @@ impl PreparedScenario {
         let of_shapes =
             |note: &&RobotWarning| has_contacts && note.is_about_missing_shapes() && !note.is_about_file();
         let notes = robot.warnings.iter().filter(of_shapes);
-        widened.into_iter().chain(notes.map(ToString::to_string)).collect()
+        let holding = self.holding().filter(|holding| holding.share() > WARNING_SHARE);
+        let holding = holding.map(|holding| holding.to_string());
+        widened.into_iter().chain(notes.map(ToString::to_string)).chain(holding).collect()
+    }
+
+    /// How the arm holds its part of the object at rest in the posture of the start: the joint that limits it, and
+    /// the share of that joint's effort limit that it takes. `None` without a robot, or without such limits.
+    fn holding(&self) -> Option<Holding<'_>> {
+        let (robot, setup) = self.robot.as_deref().zip(self.scenario.plant.robot_setup())?;
+        let posture = robot.posture(&setup.posture)?;
+        let object = self.world().object.mass;
+        let weakest = robot.weakest_joint(&posture.joints)?;
+        // at rest, both grips bear the same
+        let (load, world) = (object / 2.0, self.scenario.world.file());
+        Some(Holding { robot: &robot.name, posture: &posture.name, world, object, load, weakest })
+    }
+
+    /// On a plant with forces, the arm holds the object at rest.
+    fn check_payload(&self) -> Result<(), Error> {
+        let has_forces = self.scenario.plant.physics().is_some();
+        match self.holding().filter(|holding| has_forces && holding.share() > 1.0) {
+            Some(holding) => Err(Error::new(holding.to_string())),
+            None => Ok(()),
+        }
     }
 
     /// The robot in the form that an episode needs; `None` on the planning level alone.

@@ -133,11 +133,11 @@ def grasp_in_tool(robot: dict) -> pinocchio.SE3:
 
 
 def differences(urdf: pathlib.Path, file: pathlib.Path, checked: dict) -> dict[str, float]:
-    """The largest differences of `robot check --json` from pinocchio: frames (m and 1), and mass (kg)."""
+    """The largest differences of `robot check --json` from pinocchio: frames (m and 1), mass (kg), and what the postures hold (a share)."""
     robot = tomllib.loads(file.read_text())
     model = pinocchio.buildModelFromUrdf(str(urdf))
     data = model.createData()
-    worst = 0.0
+    worst = held_by = 0.0
     for posture in checked["postures"]:
         q = pinocchio.neutral(model)
         held = {
@@ -163,8 +163,16 @@ def differences(urdf: pathlib.Path, file: pathlib.Path, checked: dict) -> dict[s
             (posture["drive_from_grasp"], grasp),
         ):
             worst = max(worst, abs(numpy.array(ours) - theirs.homogeneous).max())
+        # J^T F of a kilogram at the grasp, against the motors' limits
+        tool = model.getFrameId(robot["grasp_frame"], pinocchio.FrameType.BODY)
+        jacobian = pinocchio.computeFrameJacobian(model, data, q, tool, pinocchio.LOCAL_WORLD_ALIGNED)
+        away = place(robot["grasp_frame"]).rotation @ grasp_in_tool(robot).translation
+        lifted = base.rotation[:, 2] @ (jacobian[:3] - pinocchio.skew(away) @ jacobian[3:])
+        of_arm = [model.joints[model.getJointId(name)].idx_v for name in posture["joints"]]
+        payloads = [model.effortLimit[i] / abs(9.81 * lifted[i]) for i in of_arm if model.effortLimit[i] > 0 and lifted[i] != 0]
+        held_by = max(held_by, abs(posture["holds_kg"] / min(payloads) - 1))
     mass = sum(inertia.mass for inertia in model.inertias)
-    return {"frames": worst, "mass": abs(checked["base"]["mass_kg"] + checked["arm_mass_kg"] - mass)}
+    return {"frames": worst, "mass": abs(checked["base"]["mass_kg"] + checked["arm_mass_kg"] - mass), "holds": held_by}
 
 
 def outside(model: coal.BVHModelBase, parts: list) -> float:
@@ -308,7 +316,8 @@ class Gallery:
         self.check(error < MAX_GRASP_ERROR_M, f"{name}: grasp error {error:.4f} m rms")
         print(
             f"{name:14} {checked['drive']['kind']}, {len(checked['joints'])} joints, {len(checked['postures'])} postures, {width:.2f} m wide; "
-            f"frames within {differs['frames']:.0e}, mass within {differs['mass']:.0e} kg; "
+            f"frames within {differs['frames']:.0e}, mass within {differs['mass']:.0e} kg, "
+            f"what it holds within {differs['holds']:.0e}; "
             f"{len(hulls)} hulls within {100 * max(hulls):.1f} %; "
             f"{len(arrived)} of {len(rows)} arrived, grasp error at most {1000 * error:.1f} mm rms"
             + "".join(f"; {count} {outcome} ({plant})" for (plant, outcome), count in others.items()),

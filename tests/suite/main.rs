@@ -35,6 +35,7 @@ mod outputs;
 mod own_robots;
 mod own_shape;
 mod paths;
+mod payload;
 mod periods;
 mod physical_carrying;
 mod physics;

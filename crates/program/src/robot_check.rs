@@ -9,7 +9,8 @@ use super::xacro::XacroArguments;
 use anyhow::{Error, anyhow};
 use clap::Args;
 use cocarry::geometry::{Footprint, Pose};
-use cocarry::robot::{Drive, DriveKind, Motion, Posture, Robot};
+use cocarry::robot::{Drive, DriveKind, Motion, Posture, Robot, WeakestJoint};
+use cocarry::world::CarriedObject;
 use cocarry_recording::rendering;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -113,6 +114,8 @@ struct PostureRow<'a> {
     /// The joint nearest to a limit, and its share of room.
     tightest: Option<(&'a str, f64)>,
     dexterity: f64,
+    /// The joint that limits the load at rest.
+    weakest: Option<WeakestJoint<'a>>,
 }
 
 fn rows(robot: &Robot) -> Vec<PostureRow<'_>> {
@@ -122,7 +125,17 @@ fn rows(robot: &Robot) -> Vec<PostureRow<'_>> {
         let tightest = robot.limit_clearance(joints).map(|(i, share)| (robot.joints[i].name.as_str(), share));
         let dexterity = robot.dexterity(joints);
         let (nearest, farthest) = (reach.nearest, reach.farthest);
-        PostureRow { posture, ahead: at.x, lateral_offset: at.y, nearest, farthest, tightest, dexterity }
+        let weakest = robot.weakest_joint(joints);
+        PostureRow {
+            posture,
+            ahead: at.x,
+            lateral_offset: at.y,
+            nearest,
+            farthest,
+            tightest,
+            dexterity,
+            weakest,
+        }
     };
     robot.postures.iter().map(row).collect()
 }
@@ -157,6 +170,21 @@ fn remarks(robot: &Robot) -> Vec<String> {
             "posture `{}` holds the grasp {:.2} m to the side of the base's axis; the base keeps that offset",
             row.posture.name,
             row.lateral_offset.abs()
+        ));
+    }
+    let half = CarriedObject::default().mass / 2.0;
+    for row in rows(robot) {
+        let Some(joint) = row.weakest.filter(|joint| joint.payload < half) else { continue };
+        remarks.push(format!(
+            "posture `{}` holds {:.2} kg at the grasp, where joint `{}` is at its effort limit of {:.1} {}: half of an object of \
+             {:.2} kg, less than a world's usual one of {:.1} kg ([object] mass_kg)",
+            row.posture.name,
+            joint.payload,
+            joint.name,
+            joint.limit,
+            joint.unit,
+            2.0 * joint.payload,
+            2.0 * half
         ));
     }
     if robot.joint_count() < 6 {
@@ -218,7 +246,7 @@ fn as_text(robot: &Robot) -> String {
         joints.add_row([joint.name.clone(), at(joint.lower), at(joint.upper), rate, effort]);
     }
     text += &table_text(&joints);
-    let mut postures = table(["posture", "ahead (m)", "reaches (m)", "room", "dexterity"], 1);
+    let mut postures = table(["posture", "ahead (m)", "reaches (m)", "room", "dexterity", "holds (kg)"], 1);
     let rows = rows(robot);
     for row in &rows {
         postures.add_row([
@@ -227,11 +255,13 @@ fn as_text(robot: &Robot) -> String {
             format!("{:.2} to {:.2}", row.nearest, row.farthest),
             row.tightest.map_or("-".to_owned(), |(_, share)| format!("{:.0} %", 100.0 * share)),
             format!("{:.3}", row.dexterity),
+            row.weakest.map_or("-".to_owned(), |joint| format!("{:.2}", joint.payload)),
         ]);
     }
     text += &format!("\n{}", table_text(&postures));
     text += "reaches: straight ahead at its height, from the axle; room: of the joint nearest to a limit, 100 % being\n\
-             the middle of its range; dexterity: least singular value of the arm's Jacobian, 0 where it is stuck\n";
+             the middle of its range; dexterity: least singular value of the arm's Jacobian, 0 where it is stuck;\n\
+             holds: the load at the grasp that takes a motor to its effort limit at rest, half of an object's mass\n";
     let remarks = remarks(robot);
     if !remarks.is_empty() {
         text += "\nNotes\n";
@@ -288,6 +318,8 @@ fn as_json(robot: &Robot) -> Value {
                 "tightest_joint": row.tightest.map(|(name, _)| name),
                 "room": row.tightest.map(|(_, share)| share),
                 "dexterity": row.dexterity,
+                "holds_kg": row.weakest.map(|joint| joint.payload),
+                "weakest_joint": row.weakest.map(|joint| joint.name),
             })
         })
         .collect();

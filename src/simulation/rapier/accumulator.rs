@@ -4,8 +4,12 @@ use super::grip::WrenchSample;
 use super::noise::{Coefficients, HighPass};
 use super::touch::Touches;
 use super::{Forces, Wrench};
+use crate::robot::JointVector;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
+
+/// Share of its limit from which a motor is at it.
+const AT_LIMIT: f64 = 1.0 - 1e-5;
 
 /// An accumulator over the physics steps since an observation was begun.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -14,6 +18,8 @@ pub(super) struct Accumulator {
     grips: [Sum; 2],
     squared_jerk: f64,
     effort_share: f64,
+    #[serde(default)]
+    time_at_limit: JointVector,
     /// Velocity (m/s) and acceleration (m/s^2) of the object after the last step; kept between observations.
     velocity: Vector3<f64>,
     acceleration: Vector3<f64>,
@@ -42,6 +48,7 @@ impl Accumulator {
         self.touches.clear();
         self.squared_jerk = 0.0;
         self.effort_share = 0.0;
+        self.time_at_limit = JointVector::zeros();
         for sum in &mut self.grips {
             *sum = Sum { last: sum.last, filter: sum.filter, ..Sum::default() };
         }
@@ -63,9 +70,10 @@ impl Accumulator {
         (self.velocity, self.acceleration) = (velocity, acceleration);
     }
 
-    /// Adds the largest motor effort of a step, as a share of its limit.
-    pub fn add_effort(&mut self, share: f64) {
-        self.effort_share = self.effort_share.max(share);
+    /// Adds the motors' efforts in a step of `dt` seconds, as shares of their limits.
+    pub fn add_efforts(&mut self, shares: &JointVector, dt: f64) {
+        self.effort_share = self.effort_share.max(shares.max());
+        self.time_at_limit += shares.map(|share| if share >= AT_LIMIT { dt } else { 0.0 });
     }
 
     pub fn gripper(&self) -> Forces {
@@ -79,6 +87,11 @@ impl Accumulator {
     /// The largest motor effort as a share of its limit.
     pub fn effort_share(&self) -> f64 {
         self.effort_share
+    }
+
+    /// How long each joint's motor was at its limit, s.
+    pub fn time_at_limit(&self) -> JointVector {
+        self.time_at_limit
     }
 
     /// Integral of the squared jerk, m^2/s^5.

@@ -210,6 +210,22 @@ impl Articulation {
         Some(())
     }
 
+    /// Whether the step that has been made, after which the world is `after`, has to be made again from `before`:
+    /// a motor exceeded its limit in it. Sets the motors for that.
+    pub fn limit(&mut self, before: &mut PhysicsWorld, after: &PhysicsWorld) -> Option<bool> {
+        let geared = self.geared(after);
+        let mut is_again = false;
+        for motor in self.motors.iter_mut().filter(|m| m.is_own) {
+            is_again |= motor.limit(motor.state(after)?, geared[motor.joint]);
+        }
+        if is_again {
+            for motor in &self.motors {
+                motor.set(before)?;
+            }
+        }
+        Some(is_again)
+    }
+
     /// The load of every motor by the gears of mimicking joints in the last step, Nm or N.
     fn geared(&self, world: &PhysicsWorld) -> JointVector {
         let mut geared = JointVector::zeros();
@@ -259,14 +275,15 @@ impl Articulation {
         Measured { configuration, base_rates: self.base_rates(world), joint_rates, joint_efforts }
     }
 
-    /// The largest motor effort in the last step as a share of its limit.
-    pub fn effort_share(&self, world: &PhysicsWorld) -> f64 {
+    /// The efforts of the joints' motors in the last step as shares of their limits.
+    pub fn effort_shares(&self, world: &PhysicsWorld) -> JointVector {
         let geared = self.geared(world);
-        let share = |motor: &Motor| {
-            let (at, rate) = motor.state(world)?;
-            Some(motor.share(motor.effort(at, rate) + geared[motor.joint]))
-        };
-        self.motors.iter().filter(|m| m.is_own).filter_map(share).fold(0.0, f64::max)
+        let mut shares = JointVector::zeros();
+        for motor in self.motors.iter().filter(|m| m.is_own) {
+            let Some((at, rate)) = motor.state(world) else { continue };
+            shares[motor.joint] = motor.share(motor.effort(at, rate) + geared[motor.joint]);
+        }
+        shares
     }
 
     /// `world_from_grasp`.

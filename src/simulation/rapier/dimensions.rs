@@ -1,7 +1,7 @@
 //! Gravity, and the size of the human's body.
 
-/// Gravity, m/s^2.
-pub(super) const GRAVITY: f64 = 9.81;
+pub(super) use crate::robot::GRAVITY;
+
 /// Distance of the middle of the torso ahead of the hand, m.
 pub const TORSO_AHEAD: f64 = 0.35;
 /// Radius of the human's torso, an upright capsule, m.

@@ -44,6 +44,13 @@ use scene::Scene;
 const DROPPED_HEIGHT_M: f64 = 0.2;
 /// Speed (m/s or rad/s) beyond which a body counts as diverging.
 const DIVERGING_SPEED: f64 = 1000.0;
+/// A motor's share of its effort limit in the last step beyond which it may exceed it in the next.
+const COPY_SHARE: f64 = 0.4;
+/// How often a step is made again at most until all motors keep their limits.
+const LIMIT_ROUNDS: usize = 16;
+/// Solver iterations of a step that is made again, as a multiple of the usual ones.
+const LIMITED_ITERATIONS: usize = 4;
+
 impl PhysicalPlant {
     /// A team at rest.
     ///
@@ -142,6 +149,7 @@ impl PhysicalPlant {
             joint_rates: measured.joint_rates,
             joint_efforts: measured.joint_efforts,
             effort_share: self.accumulator.effort_share(),
+            time_at_limit: self.accumulator.time_at_limit(),
             rolled: self.robot.rolled(),
             grasp: self.robot.grasp(&self.world),
             object: pose(self.object),
@@ -181,16 +189,39 @@ impl PhysicalPlant {
         }
         self.robot.drive(&mut self.world, dt)?;
         let [gripper, hand] = [self.gripper.axes(&self.world)?, self.hand.axes(&self.world)?];
-        self.world.step();
+        self.step_within_limits()?;
         self.steps += 1;
-        self.check()?;
         self.robot.roll(&self.world, dt);
-        self.accumulator.add_effort(self.robot.effort_share(&self.world));
+        self.accumulator.add_efforts(&self.robot.effort_shares(&self.world), dt);
         let samples =
             [self.gripper.sample(&self.world, &gripper, dt)?, self.hand.sample(&self.world, &hand, dt)?];
         let velocity = convert::vector(self.world.bodies.get(self.object)?.linvel());
         self.accumulator.add(&samples, velocity, (dt, noise));
         self.accumulator.touches.add(&self.world, dt);
+        Some(())
+    }
+
+    /// Steps the world such that the arm's motors keep their limits: where one exceeds its own, the step is made
+    /// again with this effort. `None` if the result is not sound.
+    fn step_within_limits(&mut self) -> Option<()> {
+        // most steps are far from all limits, and a copy takes time; the first one loads the arm
+        let is_near = self.steps == 0 || self.robot.effort_shares(&self.world).max() > COPY_SHARE;
+        let before = is_near.then(|| copy_of(&self.world));
+        self.world.step();
+        self.check()?;
+        let Some(mut before) = before else { return Some(()) };
+        let iterations = before.integration_parameters.num_internal_pgs_iterations;
+        // a joint at its limit gives way, and forces take longer to settle
+        before.integration_parameters.num_internal_pgs_iterations = LIMITED_ITERATIONS * iterations;
+        for _ in 0..LIMIT_ROUNDS {
+            if !self.robot.limit(&mut before, &self.world)? {
+                break;
+            }
+            self.world = copy_of(&before);
+            self.world.step();
+            self.check()?;
+        }
+        self.world.integration_parameters.num_internal_pgs_iterations = iterations;
         Some(())
     }
 
@@ -232,28 +263,31 @@ impl PhysicalPlant {
     }
 }
 
+/// A copy of a world that goes on with the same bits. The workspaces of rapier's pipelines are created anew,
+/// as when it is read back.
+fn copy_of(world: &PhysicsWorld) -> PhysicsWorld {
+    PhysicsWorld {
+        gravity: world.gravity,
+        integration_parameters: world.integration_parameters,
+        physics_pipeline: PhysicsPipeline::new(),
+        collision_pipeline: Default::default(),
+        islands: world.islands.clone(),
+        broad_phase: world.broad_phase.clone(),
+        narrow_phase: world.narrow_phase.clone(),
+        bodies: world.bodies.clone(),
+        colliders: world.colliders.clone(),
+        impulse_joints: world.impulse_joints.clone(),
+        multibody_joints: world.multibody_joints.clone(),
+        soft_bodies: world.soft_bodies.clone(),
+        ccd_solver: Default::default(),
+    }
+}
+
 impl Clone for PhysicalPlant {
-    /// A copy that continues independently with the same bits. The workspaces of rapier's pipelines are
-    /// created anew, as when a plant is read back.
+    /// A copy that continues independently with the same bits.
     fn clone(&self) -> Self {
-        let world = &self.world;
-        let world = PhysicsWorld {
-            gravity: world.gravity,
-            integration_parameters: world.integration_parameters,
-            physics_pipeline: PhysicsPipeline::new(),
-            collision_pipeline: Default::default(),
-            islands: world.islands.clone(),
-            broad_phase: world.broad_phase.clone(),
-            narrow_phase: world.narrow_phase.clone(),
-            bodies: world.bodies.clone(),
-            colliders: world.colliders.clone(),
-            impulse_joints: world.impulse_joints.clone(),
-            multibody_joints: world.multibody_joints.clone(),
-            soft_bodies: world.soft_bodies.clone(),
-            ccd_solver: Default::default(),
-        };
         Self {
-            world,
+            world: copy_of(&self.world),
             parts: self.parts.clone(),
             robot: self.robot.clone(),
             object_name: self.object_name.clone(),

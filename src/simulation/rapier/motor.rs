@@ -18,6 +18,10 @@ const STIFFNESS_PER_DAMPING: f64 = 50.0;
 const UNLIMITED_EFFORT: f64 = 200.0;
 /// A value that stands for no limit, Nm or N, because infinity cannot be serialised.
 const NO_LIMIT: f64 = 1e9;
+/// Stiffness of the spring that stands for a constant effort, Nm/rad or N/m.
+const SOFT: f64 = 1e-3;
+/// How exactly a motor keeps its limit, as a share of it.
+const TOLERANCE: f64 = 1e-6;
 /// How far a joint's reference may run ahead of the joint while the motor is too weak, rad or m. The excess
 /// is dropped.
 const WINDUP_LIMIT: f64 = 0.02;
@@ -43,6 +47,9 @@ pub(super) struct Motor {
     limits: [f64; 2],
     /// Rest position of the spring, as set in the last step.
     rest: f64,
+    /// The effort that takes the place of spring and damper in the last step, Nm or N: it is at its limit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    at_limit: Option<f64>,
 }
 
 impl Motor {
@@ -71,6 +78,7 @@ impl Motor {
             damping: stiffness / STIFFNESS_PER_DAMPING,
             limits: [lower.max(-1e9), upper.min(1e9)],
             rest: joint.coupling.ratio * start + joint.coupling.offset,
+            at_limit: None,
         }
     }
 
@@ -104,11 +112,41 @@ impl Motor {
     }
 
     fn apply(&self, world: &mut PhysicsWorld, stop: JointAxesMask) -> Option<()> {
+        self.set(world)?;
         let (body, id) = world.multibody_joints.get_mut(self.handle)?;
-        let joint = &mut body.link_mut(id)?.joint;
-        joint.set_spring(self.coordinate(), self.stiffness, self.rest);
-        joint.data.limit_axes = stop;
+        body.link_mut(id)?.joint.data.limit_axes = stop;
         Some(())
+    }
+
+    /// Gives spring and damper, or the constant effort in their place, to rapier.
+    pub fn set(&self, world: &mut PhysicsWorld) -> Option<()> {
+        let (body, id) = world.multibody_joints.get_mut(self.handle)?;
+        let link = body.link_mut(id)?;
+        let at = link.joint().coords()[self.coordinate()];
+        let (stiffness, rest, damping) = match self.at_limit {
+            None => (self.stiffness, self.rest, self.damping),
+            // a spring so soft that its effort hardly changes within a step
+            Some(effort) => (SOFT, at + effort / SOFT, 0.0),
+        };
+        link.joint.set_spring(self.coordinate(), stiffness, rest);
+        let first = link.assembly_id();
+        *body.damping_mut().get_mut(first)? = damping;
+        Some(())
+    }
+
+    /// Whether the step that has been made has to be made again, since the motor exceeded its limit or was
+    /// held at it needlessly: then its effort is the limit, or the spring's again. `geared` is the load of its
+    /// gears.
+    pub fn limit(&mut self, (position, rate): (f64, f64), geared: f64) -> bool {
+        let wanted = self.spring_effort(position, rate) + geared;
+        let now = self.at_limit.map(|effort| effort + geared);
+        let within = wanted.clamp(-self.most, self.most);
+        let is_same = match now {
+            None => wanted.abs() <= self.most * (1.0 + TOLERANCE),
+            Some(effort) => (within - effort).abs() <= TOLERANCE * self.most,
+        };
+        self.at_limit = if within == wanted { None } else { Some(within - geared) };
+        !is_same
     }
 
     /// Position and rate of the joint.
@@ -121,6 +159,10 @@ impl Motor {
     /// The effort in the last step, which ended with this position and rate. The spring is implicit, so this
     /// is exact.
     pub fn effort(&self, position: f64, rate: f64) -> f64 {
+        self.at_limit.unwrap_or_else(|| self.spring_effort(position, rate))
+    }
+
+    fn spring_effort(&self, position: f64, rate: f64) -> f64 {
         self.stiffness * (self.rest - position) - self.damping * rate
     }
 
@@ -138,6 +180,7 @@ impl Motor {
         let without = position + dt * moving + damping / stiffness * moving;
         let [least, most] = [-most, most].map(|limit| (limit - geared) / stiffness);
         self.rest = without + (rest - without).clamp(least, most);
+        self.at_limit = None;
     }
 
     fn axis(&self) -> JointAxis {

@@ -19,13 +19,14 @@ pub struct Observation {
     pub base_rates: BaseInput,
     /// Measured joint rates, rad/s or m/s.
     pub joint_rates: JointVector,
-    /// Efforts of the joints' motors in the last step, Nm or N. `effort_share` tells how exactly they keep
-    /// their limits.
+    /// Efforts of the joints' motors in the last step, Nm or N.
     pub joint_efforts: JointVector,
     /// Largest motor effort in a physics step since the observation was begun, as a share of the URDF's
-    /// effort limit; 0 without such limits. It may slightly exceed 1: a motor is clamped to its limit as if
-    /// its joint kept its rate during the step, but the effort follows from the rate at the end of the step.
+    /// effort limit; 0 without such limits. Motors keep their limits, except in the step of a blow.
     pub effort_share: f64,
+    /// How long each joint's motor was at its limit since the observation was begun, s.
+    #[serde(default)]
+    pub time_at_limit: JointVector,
     /// What has rolled since the start: angles of the left and the right wheels, rad. Omnidirectional:
     /// distances ahead and to the left, m, and the angle turned, rad. See
     /// [`Wheel::of`](crate::robot::Wheel::of).

@@ -70,6 +70,7 @@ fn closed_form_every_quantity_of_an_episode_with_bodies() {
             ("force_above_10_hz_rms_n", mean_of_squares(&|k| 0.5 + 0.01 * k).sqrt()),
             ("largest_grip_deflection_m", 0.02),
             ("largest_effort_share", 0.38),
+            ("time_at_effort_limit_s", steps().map(|k| 0.01 * (k + 1.0)).sum()),
             ("collision_x_m", 1.25),
             ("collision_y_m", 3.75),
             ("collision_z_m", 0.65),

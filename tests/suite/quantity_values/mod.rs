@@ -27,6 +27,7 @@ use cocarry::simulation::{
 use cocarry::world::World;
 use nalgebra::{Point3, Vector3};
 use serde_json::{Map, Value, json};
+use std::iter::repeat;
 
 /// A wall across the way from (1, 0) to (1, 8), with two openings of 1 m: straight ahead, and 7 m to the
 /// right.
@@ -122,6 +123,10 @@ fn observation(robot: &Robot, k: usize) -> Observation {
         joint_rates: JointVector::zeros(),
         joint_efforts: JointVector::zeros(),
         effort_share: 0.3 + 0.01 * n,
+        // the second joint's motor is at its limit for the longest
+        time_at_limit: JointVector::from_iterator(
+            [0.001, 0.01].map(|time| time * n).into_iter().chain(repeat(0.0)),
+        ),
         rolled: Vector3::zeros(),
         // 3 mm to the side of the goal and 4 mm ahead of it, turned by 2 degrees
         grasp: if k == 0 {

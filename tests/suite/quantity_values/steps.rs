@@ -103,6 +103,7 @@ fn closed_form_every_quantity_of_a_step_with_bodies() {
             ("grip_force_above_10_hz_n", 0.51),
             ("hand_force_above_10_hz_n", 0.26),
             ("effort_share", 0.31),
+            ("time_at_effort_limit_s", 0.01),
             ("grip_work_j", 1.5),
             ("hand_work_j", -0.5),
             ("squared_jerk_m2_per_s5", 8.0),
