@@ -2,6 +2,7 @@
 
 use crate::error::{StudyError, raise};
 use crate::table::Table;
+use cocarry_output::drawing::Sheet;
 use cocarry_studies::study::{Comparing, Drawn, Results, Summary, SweepError, columns, line_of};
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -122,6 +123,6 @@ pub fn plot(
     };
     let held = held(results)?;
     let results: Vec<Results> = held.iter().map(Held::results).collect();
-    let drawn = py.detach(|| cocarry_studies::study::picture(&results, quantity, &drawn));
+    let drawn = py.detach(|| cocarry_studies::study::picture(&results, quantity, &drawn, Sheet::default()));
     drawn.map_err(|error| refused(&error))
 }

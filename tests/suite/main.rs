@@ -8,6 +8,7 @@ mod bad_urdfs;
 mod book;
 mod carrying;
 mod changes;
+mod cite;
 mod closed_loop;
 mod command_line;
 mod crowded_worlds;

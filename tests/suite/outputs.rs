@@ -67,7 +67,7 @@ impl Bench {
 }
 
 /// Commands up to the name of their output, and what they read.
-const OUTPUTS: [(&str, &str, &[&str]); 16] = [
+const OUTPUTS: [(&str, &str, &[&str]); 17] = [
     ("run world.toml --plant point --ticks ", "out.csv", &["world.toml"]),
     ("run --resume in.snapshot --ticks ", "out.jsonl", &["in.snapshot"]),
     ("run world.toml --plant point --svg ", "out.svg", &["world.toml"]),
@@ -75,6 +75,7 @@ const OUTPUTS: [(&str, &str, &[&str]); 16] = [
     ("run world.toml --plant point --save-at 3 ", "out.snapshot", &["world.toml"]),
     ("world environment.toml --svg ", "out.svg", &["environment.toml"]),
     ("inspect in.mcap --csv /coordination --output ", "out.csv", &["in.mcap"]),
+    ("cite in.mcap -o ", "out.bib", &["in.mcap"]),
     ("inspect in.mcap --svg ", "out.svg", &["in.mcap"]),
     ("run world.toml --plant point --render ", "out.html", &[]),
     ("render in.mcap -o ", "out.html", &[]),

@@ -76,6 +76,8 @@ fn a_folder_of_new_is_understood_as_its_world_robot_or_study() {
     succeeds(folder.path(), &["new", "kitchen"]);
     let told = succeeds(folder.path(), &["world", "kitchen"]);
     assert_eq!(told, succeeds(folder.path(), &["world", "kitchen/world.toml"]));
+    let told = succeeds(folder.path(), &["robot", "check", "kitchen"]);
+    assert_eq!(told, succeeds(folder.path(), &["robot", "check", "kitchen/robot.toml"]));
     succeeds(
         folder.path(),
         &["run", "kitchen", "--robot", "kitchen", "--plant", "kinematic", "--max-steps", "9999"],
@@ -136,7 +138,7 @@ fn every_world_of_the_repository_is_built_in_and_listed() {
 fn completions_and_manual_pages_name_the_commands_and_options() {
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
         let script = stdout(&cocarry(&["completions", shell]));
-        for word in ["sweep", "preference-changes", "export"] {
+        for word in ["sweep", "preference-changes", "export", "cite"] {
             assert!(script.contains(word), "{shell}: {word}");
         }
     }
@@ -159,12 +161,23 @@ fn bash_completes_a_command() {
         return;
     }
     let script = stdout(&cocarry(&["completions", "bash"]));
-    let ask =
-        "COMP_WORDS=(cocarry reg); COMP_CWORD=1; _cocarry cocarry reg cocarry; echo \"${COMPREPLY[@]}\"";
-    // longer than an argument can be
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("complete.sh");
-    std::fs::write(&file, format!("{script}\n{ask}\n")).unwrap();
-    let output = Command::new("bash").arg(&file).output().unwrap();
-    assert_eq!(stdout(&output).trim(), "regress", "{}", stderr(&output));
+    let completed = |words: &[&str]| {
+        let [.., before, word] = words else { panic!("{words:?}") };
+        let (all, last) = (words.join(" "), words.len() - 1);
+        let ask = format!(
+            "COMP_WORDS=({all}); COMP_CWORD={last}; _cocarry cocarry {word} {before}; echo \"${{COMPREPLY[@]}}\""
+        );
+        // longer than an argument can be
+        std::fs::write(&file, format!("{script}\n{ask}\n")).unwrap();
+        let output = Command::new("bash").arg(&file).output().unwrap();
+        stdout(&output).trim().to_owned()
+    };
+    assert_eq!(completed(&["cocarry", "reg"]), "regress");
+    let environments = "environment-1 environment-2 environment-3 environment-4";
+    assert_eq!(completed(&["cocarry", "run", "env"]), environments);
+    assert_eq!(completed(&["cocarry", "world", "env"]), environments);
+    // bash itself completes files where there is none of these
+    assert_eq!(completed(&["cocarry", "run", "./wor"]), "");
 }

@@ -33,6 +33,9 @@ fn mistyped_values_of_arguments_have_a_suggestion() {
         (&["export", "environment4"], "'environment-4'"),
         (&["export", "carier"], "'carrier'"),
         (&["regres"], "'regress'"),
+        (&["rnu"], "'run'"),
+        (&["cluster", "gahter"], "'gather'"),
+        (&["run", "-eta", "5"], "'--eta'"),
     ] {
         says(&[], arguments, said);
     }

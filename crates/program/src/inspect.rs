@@ -1,8 +1,8 @@
 //! `cocarry inspect`: shows the contents of a recording as text, JSON, CSV or a picture.
 
 use super::output::{
-    Failure, OverwriteArguments, examples, input, print, print_json, svg_file, table, table_text, unwritten,
-    visible, write_file,
+    Failure, OverwriteArguments, examples, input, print, print_json, short_number, svg_file, table,
+    table_text, unwritten, visible, write_file,
 };
 use anyhow::{Context, anyhow};
 use clap::Args;
@@ -97,7 +97,8 @@ fn as_text(file: &Path, contents: &Contents) -> String {
         Some(outcome) => {
             text += "\nOutcome\n";
             for (key, value) in outcome.as_object().into_iter().flatten() {
-                text += &format!("  {key}: {}\n", plain(value));
+                let number = value.as_f64().filter(|_| value.is_f64()).map(short_number);
+                text += &format!("  {key}: {}\n", number.unwrap_or_else(|| plain(value)));
             }
         }
     }

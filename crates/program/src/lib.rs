@@ -3,6 +3,7 @@
 mod calibrate;
 mod catalog;
 mod catalog_robots;
+mod cite;
 mod cluster;
 mod compare;
 mod custom;
@@ -51,11 +52,12 @@ pub mod xacro;
 pub use custom::{CustomPolicies, provide};
 pub use robot::robot_to_export;
 
-use clap::error::ContextKind;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser, Subcommand};
+use cocarry::suggestion;
 use output::Failure;
 use std::error::Error;
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::num::ParseIntError;
 use std::process::ExitCode;
 
@@ -97,6 +99,7 @@ enum Command {
     Recover(recover::RecoverArguments),
     Render(render::RenderArguments),
     Replay(replay::ReplayArguments),
+    Cite(cite::CiteArguments),
     #[command(subcommand)]
     Fit(fit::Parameter),
     Infer(infer::InferArguments),
@@ -132,6 +135,7 @@ fn after_help() -> String {
         ("cocarry cluster slurm study.toml -o study.csv", "the same on a cluster"),
         ("cocarry run --record run.mcap", "a recording, to watch in Foxglove"),
         ("cocarry inspect run.mcap", "contents of a recording"),
+        ("cocarry cite run.mcap", "bibliography entries of what it used"),
         ("cocarry reproduce h2", "Table II of the paper"),
         ("cocarry reproduce all -o report", "all its tables and figures, as a page"),
     ]);
@@ -160,9 +164,10 @@ pub fn main() -> ExitCode {
 
 /// [`main`] with these arguments, the first of which is the program's name.
 pub fn main_of(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-    let arguments = match ProgramArguments::try_parse_from(arguments) {
+    let words: Vec<OsString> = arguments.into_iter().collect();
+    let arguments = match ProgramArguments::try_parse_from(&words) {
         Ok(arguments) => arguments,
-        Err(error) => return refused(&error),
+        Err(error) => return refused(with_suggestion(error, &words)),
     };
     output::be_quiet(arguments.quiet);
     let done = match arguments.command {
@@ -186,6 +191,7 @@ pub fn main_of(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Some(Command::Study(action)) => study::run_study(&action),
         Some(Command::Render(arguments)) => render::run_render(&arguments),
         Some(Command::Replay(arguments)) => replay::run_replay(&arguments),
+        Some(Command::Cite(arguments)) => cite::run_cite(&arguments),
         Some(Command::Fit(parameter)) => fit::run_fit(&parameter),
         Some(Command::Infer(arguments)) => infer::run_infer(&arguments),
         Some(Command::Calibrate(arguments)) => calibrate::run_calibrate(&arguments),
@@ -215,13 +221,48 @@ pub fn main_of(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 }
 
 /// Prints help that was asked for, or why the arguments are refused, in the terminal's width.
-fn refused(error: &clap::Error) -> ExitCode {
+fn refused(error: clap::Error) -> ExitCode {
     if !error.use_stderr() {
         error.exit()
     }
-    let text = not_whole(error).as_ref().unwrap_or(error).render().ansi().to_string();
+    let text = not_whole(&error).unwrap_or(error).render().ansi().to_string();
     output::write_error(&terminal::wrapped(&text, terminal::error_width()));
     ExitCode::from(2)
+}
+
+/// The error with the command or argument that was probably meant, where clap has none: `rnu`, or `-eta` for `--eta`.
+fn with_suggestion(mut error: clap::Error, words: &[OsString]) -> clap::Error {
+    let mut of = command();
+    of.build();
+    for word in words.iter().skip(1).filter_map(|word| word.to_str()) {
+        let Some(below) = of.find_subcommand(word) else { break };
+        of = below.clone();
+    }
+    let invalid = |error: &clap::Error, kind| error.get(kind).map(ToString::to_string).unwrap_or_default();
+    match error.kind() {
+        ErrorKind::InvalidSubcommand if error.get(ContextKind::SuggestedSubcommand).is_none() => {
+            let name = invalid(&error, ContextKind::InvalidSubcommand);
+            let known: Vec<&str> = of.get_subcommands().map(clap::Command::get_name).collect();
+            if let Some(meant) = suggestion::nearest(&name, known) {
+                let meant = ContextValue::Strings(vec![meant.to_owned()]);
+                error.insert(ContextKind::SuggestedSubcommand, meant);
+            }
+        }
+        ErrorKind::UnknownArgument if error.get(ContextKind::SuggestedArg).is_none() => {
+            // how to give it as a value is no help
+            error.remove(ContextKind::Suggested);
+            let letter = invalid(&error, ContextKind::InvalidArg);
+            let is_meant = |long: &&str| {
+                let with_one = format!("-{long}");
+                with_one.starts_with(&letter) && words.iter().any(|word| word == OsStr::new(&with_one))
+            };
+            if let Some(meant) = of.get_arguments().filter_map(clap::Arg::get_long).find(is_meant) {
+                error.insert(ContextKind::SuggestedArg, ContextValue::String(format!("--{meant}")));
+            }
+        }
+        _ => {}
+    }
+    error
 }
 
 /// The error of an argument that is not a whole number, in words.

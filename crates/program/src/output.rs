@@ -196,6 +196,15 @@ pub(super) fn counted(number: impl TryInto<u64>, noun: &str) -> String {
     format!("{number} {noun}{}", if number == 1 { "" } else { "s" })
 }
 
+/// A number with at most seven significant digits, for people.
+pub(super) fn short_number(number: f64) -> String {
+    let rounded: f64 = format!("{number:.6e}").parse().unwrap_or(number);
+    match rounded == 0.0 || (1e-5..1e12).contains(&rounded.abs()) {
+        true => rounded.to_string(),
+        false => format!("{rounded:e}"),
+    }
+}
+
 /// Whether warnings, notes and progress are left out.
 static IS_QUIET: AtomicBool = AtomicBool::new(false);
 

@@ -1,8 +1,8 @@
 //! `cocarry regress`: records the figures of a baseline's runs, or checks them against those recorded.
 
 use super::output::{
-    Failure, OverwriteArguments, counted, examples, input, print_json, print_verdict, table, table_text,
-    unwritten, write_error, write_file, xml_file,
+    Failure, OverwriteArguments, counted, examples, input, print_json, print_verdict, short_number, table,
+    table_text, unwritten, write_error, write_file, xml_file,
 };
 use super::reproduce::Common;
 use super::scenario::ScenarioArguments;
@@ -168,8 +168,23 @@ impl ReportArguments {
 
 /// A figure that moved, in a line.
 fn in_words(moved: &Moved) -> String {
-    let figure = |figure: &Option<Figure>| figure.as_ref().map_or("none".to_owned(), Figure::cell);
-    format!("{}: recorded {}, now {}", moved.figure, figure(&moved.recorded), figure(&moved.now))
+    let [recorded, now] = shown_figures(moved).map(|figure| figure.unwrap_or_else(|| "none".to_owned()));
+    format!("{}: recorded {recorded}, now {now}", moved.figure)
+}
+
+/// The figure as recorded and as it is now, with as many digits as show the difference.
+fn shown_figures(moved: &Moved) -> [Option<String>; 2] {
+    let both = [&moved.recorded, &moved.now];
+    let short = |figure: &Figure| match figure.as_f64() {
+        Some(number) if number.fract() != 0.0 => short_number(number),
+        _ => figure.cell(),
+    };
+    let shortened = both.map(|figure| figure.as_ref().map(short));
+    if shortened[0] != shortened[1] {
+        shortened
+    } else {
+        both.map(|figure| figure.as_ref().map(Figure::cell))
+    }
 }
 
 /// The runs as JUnit's XML: each a test, which fails where a figure moved.
@@ -284,7 +299,7 @@ fn text(is_check: bool, runs: usize, figures: usize, found: &[Moved]) -> String 
     }
     let mut shown = table(["run", "figure", "recorded", "now", "change", "may move by"], 2);
     for moved in found {
-        let figure = |figure: &Option<Figure>| figure.as_ref().map_or("-".to_owned(), Figure::cell);
+        let [recorded, after] = shown_figures(moved).map(|figure| figure.unwrap_or_else(|| "-".to_owned()));
         let [before, now] = [&moved.recorded, &moved.now].map(|f| f.as_ref().and_then(Figure::as_f64));
         let change = before.zip(now).map(|(before, now)| {
             let change = now - before;
@@ -297,8 +312,8 @@ fn text(is_check: bool, runs: usize, figures: usize, found: &[Moved]) -> String 
         shown.add_row([
             moved.run.clone(),
             moved.figure.clone(),
-            figure(&moved.recorded),
-            figure(&moved.now),
+            recorded,
+            after,
             change.unwrap_or_else(|| "-".to_owned()),
             most.map_or("-".to_owned(), |most| format!("{most:.1e}")),
         ]);

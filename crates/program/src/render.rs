@@ -40,7 +40,7 @@ pub(super) struct RenderArguments {
     output: Target,
     /// Width of a picture, in inches or pixels: 3.5in, 1200px. Type is at least 7 pt from 3.5 inches on; a
     /// PNG has 300 pixels an inch [default: 7in; .gif: 760px]
-    #[arg(long, value_name = "WIDTH", value_parser = width)]
+    #[arg(long, value_name = "WIDTH", value_parser = picture_width)]
     width: Option<Width>,
     /// Number of instants in a filmstrip [default: 6]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=20))]
@@ -102,8 +102,8 @@ fn address(text: &str) -> Result<String, String> {
     }
 }
 
-/// A width with its unit.
-fn width(text: &str) -> Result<Width, String> {
+/// A parser of the width of a picture, with its unit.
+pub(super) fn picture_width(text: &str) -> Result<Width, String> {
     let (number, is_inches) = match (text.strip_suffix("in"), text.strip_suffix("px")) {
         (Some(number), _) => (number, true),
         (None, Some(number)) => (number, false),

@@ -1,5 +1,6 @@
 //! `cocarry robot check`: all faults of a robot's files, or what the program makes of them.
 
+use super::file_kind::{self, FileKind};
 use super::output::{
     Failure, OverwriteArguments, examples, input, print, print_error, print_json, table, table_text,
     write_file,
@@ -51,8 +52,9 @@ fn page(name: &str) -> Result<PathBuf, String> {
 
 pub(super) fn run_robot_check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
     check_is_file("robot check", &arguments.robot)?;
-    let outputs = arguments.overwrite.outputs([arguments.robot.as_path()], &arguments.render)?;
-    let robot = match Robot::check_expanded(&arguments.robot, arguments.xacro.expand()) {
+    let file = file_kind::within(&arguments.robot, FileKind::Robot);
+    let outputs = arguments.overwrite.outputs([file.as_path()], &arguments.render)?;
+    let robot = match Robot::check_expanded(&file, arguments.xacro.expand()) {
         Ok(robot) => robot,
         Err(faults) => return refused(arguments, faults),
     };

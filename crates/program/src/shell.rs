@@ -2,8 +2,10 @@
 
 use super::output::{Failure, OverwriteArguments, examples, print_for_programs};
 use anyhow::Context;
+use clap::builder::PossibleValuesParser;
 use clap::{Args, Command};
 use clap_complete::Shell;
+use cocarry::world::BUILT_IN_WORLDS;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -37,9 +39,46 @@ pub(super) fn completions(
     mut command: Command,
 ) -> Result<ExitCode, Failure> {
     let mut script = Vec::new();
+    command = with_worlds(command);
     clap_complete::generate(arguments.shell, &mut command, "cocarry", &mut script);
-    print_for_programs(&String::from_utf8_lossy(&script))?;
+    let script = String::from_utf8_lossy(&script);
+    print_for_programs(&with_files(arguments.shell, &script))?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// The commands that take a world.
+const WITH_WORLD: [&str; 2] = ["run", "world"];
+
+fn world_names() -> impl Iterator<Item = &'static str> {
+    BUILT_IN_WORLDS.iter().map(|world| world.name)
+}
+
+/// The program's arguments, where the names of built-in worlds are values of a world.
+fn with_worlds(command: Command) -> Command {
+    WITH_WORLD.into_iter().fold(command, |command, name| {
+        command.mut_subcommand(name, |command| {
+            command.mut_arg("world", |world| world.value_parser(PossibleValuesParser::new(world_names())))
+        })
+    })
+}
+
+/// A script that also completes files as worlds. That of bash does where no name fits; fish's knows options only.
+fn with_files(shell: Shell, script: &str) -> String {
+    let names = world_names().collect::<Vec<_>>().join(" ");
+    match shell {
+        Shell::Zsh => {
+            let both =
+                format!("{{_alternative \"worlds:built-in world:({names})\" \"files:world file:_files\"}}");
+            script.replace(&format!("({names})"), &both)
+        }
+        Shell::Fish => WITH_WORLD.into_iter().fold(script.to_owned(), |script, name| {
+            script
+                + &format!(
+                    "complete -c cocarry -n \"__fish_cocarry_using_subcommand {name}\" -a \"{names}\"\n"
+                )
+        }),
+        _ => script.to_owned(),
+    }
 }
 
 pub(super) fn man(arguments: &ManArguments, mut command: Command) -> Result<ExitCode, Failure> {

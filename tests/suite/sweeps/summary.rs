@@ -159,12 +159,55 @@ fn results_are_drawn() {
         ),
         (&["a.csv", "-o", "b.svg", "--kind", "differences", "--by", "beta"], "unknown column `beta`"),
         (&["a.csv", "-o", "b.svg", "--quantity", "J"], "accumulated_objective_cost_m"),
-        (&["a.csv", "-o", "b.png"], "svg"),
+        (&["a.csv", "-o", "b.gif"], "expected one of the extensions .svg, .pdf, .png"),
+        (&["a.csv", "-o", "b.svg", "--width", "3.5cm"], "expected inches or pixels"),
+        (&["a.csv", "-o", "b.svg", "--width", "1in"], "must be from 2in to 20in"),
         (&["study.toml", "-o", "b.svg"], "study.toml"),
         (&["a.csv", "-o", "b.svg", "--quantity", "accumulated_control_cost"], "cannot be drawn"),
     ] {
         let output = plot(arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
         assert!(stderr(&output).contains(said), "{arguments:?}: {}", stderr(&output));
+    }
+}
+
+/// A picture 3.5 in wide has type of at least 7 pt, as SVG, PDF and PNG.
+#[test]
+fn results_are_drawn_at_the_width_of_a_column() {
+    let bench = Bench::new(STUDY);
+    bench.good(&["study.toml", "--output", "a.csv"]);
+    let drawn = |kind: &str, file: &str| {
+        let arguments = ["plot", "a.csv", "--kind", kind, "-o", file, "--width", "3.5in", "--overwrite"];
+        let mut command = Command::new(env!("CARGO_BIN_EXE_cocarry"));
+        let output = command.args(arguments).current_dir(bench.folder.path()).output().expect("it starts");
+        assert!(output.status.success(), "{}", stderr(&output));
+        bench.read(file)
+    };
+    for kind in ["means", "differences", "map"] {
+        let svg = String::from_utf8(drawn(kind, "a.svg")).expect("a picture");
+        let number = |text: &str| -> f64 { text.split(['"', ' ', 'i']).next().unwrap().parse().unwrap() };
+        let attribute = |name: &str| svg.split(&format!("{name}=\"")).skip(1).map(number).collect::<Vec<_>>();
+        assert_eq!(attribute("svg width")[0], 3.5, "{kind}");
+        let layout: f64 = svg.split_once("viewBox=\"0 0 ").map(|(_, rest)| number(rest)).unwrap();
+        let sizes = attribute("font-size");
+        assert!(sizes.len() > 20);
+        for size in sizes {
+            assert!(size * 3.5 * 72.0 / layout >= 7.0, "{kind}: {size} of {layout}");
+        }
+        // no text leaves the picture
+        let texts = svg.split("<text ").skip(1);
+        for text in texts.filter(|text| text.contains("text-anchor=\"middle\"")) {
+            let x = number(text.split_once(" x=\"").or(text.split_once("x=\"")).unwrap().1);
+            assert!(x > 0.0 && x < layout, "{text}");
+        }
+        let png = drawn(kind, "a.png");
+        let image = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
+        assert_eq!(image.info().width, 1050);
+        let aspect = f64::from(image.info().height) / 1050.0;
+        let pdf = String::from_utf8(drawn(kind, "a.pdf")).expect("paths alone");
+        let (_, page) = pdf.split_once("/MediaBox [0 0 252 ").expect("3.5 in");
+        let height: f64 = page.split(']').next().unwrap().parse().unwrap();
+        assert!((height / 252.0 - aspect).abs() < 1e-3, "{height} {aspect}");
+        assert_eq!(pdf.into_bytes(), drawn(kind, "a.pdf"));
     }
 }

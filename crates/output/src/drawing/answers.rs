@@ -1,9 +1,9 @@
 //! Participants' answers in percent with the fitted model, and the error of the fit over c_r.
 
 use super::kit::{
-    AXIS_ROOM, Axis, FAINT, GAP, GRID, INK, Legend, LineStyle, MARGIN, Plot, Shape, Side, TITLE_ROOM, Text,
-    border, document, frame_title, left_of_rows, level, mark, mean_bar, notes, place, rectangle, row_label,
-    stroke, upright,
+    AXIS_ROOM, Axis, FAINT, GAP, GRID, INK, Legend, Letters, LineStyle, MARGIN, Plot, Shape, Side,
+    TITLE_ROOM, Text, border, document, frame_title, left_of_rows, level, mark, mean_bar, notes, place,
+    rectangle, row_label, stroke, upright,
 };
 use super::{WIDTH, not_drawable, nothing};
 use cocarry::Error;
@@ -119,7 +119,7 @@ fn draw(panel: &AnswerPanel, percent: &Axis, frame: Bounds) -> Group {
     for (i, row) in panel.rows.iter().enumerate() {
         let y = frame.min.y + (i as f64 + 0.5) * ROW_HEIGHT;
         let at = |value: f64| Point::new(percent.at(value), y);
-        group = group.add(row_label(&row.option, frame.min.x, y));
+        group = group.add(row_label(Letters::Text, &row.option, frame.min.x, y));
         if i > 0 {
             group = group.add(stroke(&level(y - 0.5 * ROW_HEIGHT, frame), GRID, 1.0));
         }

@@ -1,9 +1,10 @@
 //! The figure of differences between costs, with their intervals.
 
 use super::kit::{
-    Axis, Legend, LineStyle, MARGIN, Shape, Strips, Text, document, level_sample, mark, place, stroke,
+    Axis, Legend, LineStyle, MARGIN, Shape, Sheet, Strips, Text, document_on, level_sample, mark, place,
+    stroke,
 };
-use super::{WIDTH, not_drawable, nothing};
+use super::{not_drawable, nothing};
 use cocarry::Error;
 use cocarry::geometry::Point;
 use svg::node::element::Group;
@@ -46,7 +47,7 @@ const MAX_VALUE: f64 = 1e9;
 ///
 /// # Errors
 /// There is no row, or a value is not a number.
-pub fn differences(panels: &[DifferencePanel], axis_title: &str) -> Result<String, Error> {
+pub fn differences(panels: &[DifferencePanel], axis_title: &str, sheet: Sheet) -> Result<String, Error> {
     let rows = || panels.iter().flat_map(|panel| &panel.rows);
     if rows().next().is_none() {
         return Err(nothing());
@@ -68,6 +69,7 @@ pub fn differences(panels: &[DifferencePanel], axis_title: &str) -> Result<Strin
         row_height: ROW_HEIGHT,
         range: [least - margin, most + margin],
         guide: Some(0.0),
+        sheet,
     };
     let (drawn, top) = strips.draw(&Text::new(axis_title), |[panel, row], axis, middle| {
         marks(&panels[panel].rows[row], axis, middle)
@@ -80,8 +82,9 @@ pub fn differences(panels: &[DifferencePanel], axis_title: &str) -> Result<Strin
     if rows().any(|row| row.paper.is_some()) {
         legend = legend.entry(paper_mark(), "paper");
     }
-    let (legend, bottom) = legend.draw(Point::new(MARGIN, top), WIDTH - 2.0 * MARGIN);
-    Ok(document(bottom).add(drawn).add(legend).to_string())
+    let (legend, bottom) =
+        legend.with_letters(sheet.letters).draw(Point::new(MARGIN, top), sheet.width - 2.0 * MARGIN);
+    Ok(document_on(sheet, bottom).add(drawn).add(legend).to_string())
 }
 
 fn values(row: &DifferenceRow) -> impl Iterator<Item = f64> {
@@ -134,16 +137,17 @@ mod tests {
         };
         let rows = vec![row("eta 5", Some([-200.0, -40.0])), row("eta 15", None)];
         let panel = DifferencePanel { title: "Environment 1".to_owned(), rows };
-        let svg = checked(|| differences(&[panel.clone(), panel.clone()], "difference (m)"));
+        let svg =
+            checked(|| differences(&[panel.clone(), panel.clone()], "difference (m)", Sheet::default()));
         assert_eq!(svg.matches("class=\"interval\"").count(), 2);
         assert_eq!(svg.matches("class=\"row\"").count(), 4);
     }
 
     #[test]
     fn what_cannot_be_drawn_is_refused() {
-        assert_eq!(error(differences(&[], "")), NOTHING);
+        assert_eq!(error(differences(&[], "", Sheet::default())), NOTHING);
         let rows = vec![DifferenceRow { mean: f64::NAN, ..DifferenceRow::default() }];
         let panel = DifferencePanel { rows, ..DifferencePanel::default() };
-        assert!(error(differences(&[panel], "")).ends_with(": NaN cannot be drawn"));
+        assert!(error(differences(&[panel], "", Sheet::default())).ends_with(": NaN cannot be drawn"));
     }
 }

@@ -1,8 +1,8 @@
 //! The figure of a quantity over the (alpha, gamma) plane, as a map of coloured cells.
 
 use super::kit::{
-    AXIS_ROOM, Align, Axis, FAINT, GAP, LEFT_ROOM, MARGIN, PAPER, Plot, Side, TEXT_SIZE, TITLE_ROOM, Text,
-    border, disc, document, frame_title, rectangle, risk_colour,
+    AXIS_ROOM, Align, Axis, FAINT, GAP, LEFT_ROOM, MARGIN, PAPER, Plot, Sheet, Side, TEXT_SIZE, TITLE_ROOM,
+    Text, border, disc, document_on, lettered_title, rectangle, risk_colour,
 };
 use super::{WIDTH, not_drawable, nothing};
 use cocarry::Error;
@@ -29,12 +29,17 @@ const SUBTITLE_ROOM: f64 = 22.0;
 const SCALE_HEIGHT: f64 = 16.0;
 const SCALE_STEPS: usize = 60;
 
-/// Maps of a quantity over the plane of alpha and gamma, in `ranges`, two in a row, and their common scale of
-/// colours, light to dark. A cell without a value is white with a dot.
+/// Maps of a quantity over the plane of alpha and gamma, in `ranges`, two in a row where the sheet is wide enough,
+/// and their common scale of colours, light to dark. A cell without a value is white with a dot.
 ///
 /// # Errors
 /// There is no value, or one that is not finite.
-pub fn heat_maps(panels: &[HeatPanel], ranges: [[f64; 2]; 2], title: &str) -> Result<String, Error> {
+pub fn heat_maps(
+    panels: &[HeatPanel],
+    ranges: [[f64; 2]; 2],
+    title: &str,
+    sheet: Sheet,
+) -> Result<String, Error> {
     let values = || panels.iter().flat_map(|panel| panel.values.iter().flatten()).copied().flatten();
     if let Some(value) = values().chain(ranges.into_iter().flatten()).find(|value| !value.is_finite()) {
         return Err(not_drawable("a cell", value));
@@ -48,17 +53,18 @@ pub fn heat_maps(panels: &[HeatPanel], ranges: [[f64; 2]; 2], title: &str) -> Re
     let share = |value: f64| (value - scale[0]) / (scale[1] - scale[0]);
     let mut drawn = Group::new();
     let mut top = 0.0;
-    for row in panels.chunks(2) {
+    let across = if sheet.width < WIDTH { 1 } else { 2 };
+    for row in panels.chunks(across) {
         for (column, panel) in row.iter().enumerate() {
-            let pitch = WIDTH / 2.0;
+            let pitch = sheet.width / across as f64;
             let min = Point::new(LEFT_ROOM + column as f64 * pitch, top + TITLE_ROOM + SUBTITLE_ROOM);
             let size = Vector::new(pitch - LEFT_ROOM - MARGIN, HEIGHT);
-            drawn = drawn.add(draw(panel, ranges, Bounds { min, max: min + size }, share));
+            drawn = drawn.add(draw(panel, ranges, Bounds { min, max: min + size }, sheet, share));
         }
         top += TITLE_ROOM + SUBTITLE_ROOM + HEIGHT + AXIS_ROOM + GAP;
     }
     let min = Point::new(LEFT_ROOM, top + GAP);
-    let bar = Bounds { min, max: Point::new(WIDTH - LEFT_ROOM, min.y + SCALE_HEIGHT) };
+    let bar = Bounds { min, max: Point::new(sheet.width - LEFT_ROOM, min.y + SCALE_HEIGHT) };
     for step in 0..SCALE_STEPS {
         let width = bar.size().x / SCALE_STEPS as f64;
         let from = bar.min + Vector::new(step as f64 * width, 0.0);
@@ -67,19 +73,31 @@ pub fn heat_maps(panels: &[HeatPanel], ranges: [[f64; 2]; 2], title: &str) -> Re
         let colour = risk_colour((step as f64 + 0.5) / SCALE_STEPS as f64);
         drawn = drawn.add(rectangle(Bounds { min: from, max: end }).set("fill", colour));
     }
-    let axis = Axis::linear(Side::Below, scale, bar);
+    let axis = Axis::linear(Side::Below, scale, bar).on(sheet);
     drawn = drawn.add(border(bar)).add(axis.draw(bar, &Text::new(title)));
-    Ok(document(bar.max.y + AXIS_ROOM + GAP).add(drawn).to_string())
+    Ok(document_on(sheet, bar.max.y + AXIS_ROOM + GAP).add(drawn).to_string())
 }
 
 /// A panel with its title and axes.
-fn draw(panel: &HeatPanel, ranges: [[f64; 2]; 2], frame: Bounds, share: impl Fn(f64) -> f64) -> Group {
-    let plot = Plot::linear(frame, ranges);
+fn draw(
+    panel: &HeatPanel,
+    ranges: [[f64; 2]; 2],
+    frame: Bounds,
+    sheet: Sheet,
+    share: impl Fn(f64) -> f64,
+) -> Group {
+    let plot = Plot::linear(frame, ranges).on(sheet);
     let left = frame.min.x - LEFT_ROOM + MARGIN;
     let above = Bounds { min: frame.min - Vector::new(0.0, SUBTITLE_ROOM), ..frame };
     let subtitle = Text::new(&panel.subtitle).within(frame.max.x - left, TEXT_SIZE);
-    let mut group = Group::new().set("class", "panel").add(frame_title(&panel.title, left, above));
-    group = group.add(subtitle.at(Point::new(left, frame.min.y - GAP), TEXT_SIZE, Align::Left));
+    let mut group =
+        Group::new().set("class", "panel").add(lettered_title(sheet.letters, &panel.title, left, above));
+    group = group.add(subtitle.lettered(
+        sheet.letters,
+        Point::new(left, frame.min.y - GAP),
+        TEXT_SIZE,
+        Align::Left,
+    ));
     let height = frame.size().y / panel.values.len().max(1) as f64;
     for (row, values) in panel.values.iter().enumerate() {
         let width = frame.size().x / values.len().max(1) as f64;
@@ -117,7 +135,9 @@ mod tests {
             subtitle: "eta 5".to_owned(),
             values: vec![vec![Some(1.0), None, Some(3.0)], vec![Some(2.0), Some(2.5), Some(1.5)]],
         };
-        let svg = checked(|| heat_maps(&[panel.clone(), panel.clone()], [[0.5, 1.0], [0.5, 1.1]], "J (m)"));
+        let svg = checked(|| {
+            heat_maps(&[panel.clone(), panel.clone()], [[0.5, 1.0], [0.5, 1.1]], "J (m)", Sheet::default())
+        });
         assert_eq!(svg.matches("class=\"cell\"").count(), 10);
         // the least is light, the largest dark
         for share in [0.0, 1.0] {
@@ -129,8 +149,11 @@ mod tests {
     fn what_cannot_be_drawn_is_refused() {
         let ranges = [[0.0, 1.0]; 2];
         let panel = |value| HeatPanel { values: vec![vec![value]], ..HeatPanel::default() };
-        assert_eq!(error(heat_maps(&[], ranges, "")), NOTHING);
-        assert_eq!(error(heat_maps(&[panel(None)], ranges, "")), NOTHING);
-        assert!(error(heat_maps(&[panel(Some(f64::NAN))], ranges, "")).ends_with(": NaN cannot be drawn"));
+        assert_eq!(error(heat_maps(&[], ranges, "", Sheet::default())), NOTHING);
+        assert_eq!(error(heat_maps(&[panel(None)], ranges, "", Sheet::default())), NOTHING);
+        assert!(
+            error(heat_maps(&[panel(Some(f64::NAN))], ranges, "", Sheet::default()))
+                .ends_with(": NaN cannot be drawn")
+        );
     }
 }

@@ -1,8 +1,9 @@
 //! The figure of estimates with their intervals: panels that have an axis each.
 
 use super::kit::{
-    AXIS_ROOM, Axis, GAP, Legend, LineStyle, MARGIN, STRIPE, Shape, Side, TITLE_ROOM, Text, border, document,
-    frame_title, guide, left_of_rows, level_sample, mark, place, rectangle, row_label, stroke, upright,
+    AXIS_ROOM, Axis, GAP, Legend, Letters, LineStyle, MARGIN, STRIPE, Shape, Side, TITLE_ROOM, Text, border,
+    document, frame_title, guide, left_of_rows, level_sample, mark, place, rectangle, row_label, stroke,
+    upright,
 };
 use super::{WIDTH, not_drawable, nothing};
 use cocarry::Error;
@@ -121,7 +122,7 @@ fn draw(panel: &IntervalPanel, frame: Bounds, has_labels: bool) -> Group {
     for (i, row) in panel.rows.iter().enumerate() {
         let middle = top(i) + height / 2.0;
         if has_labels {
-            group = group.add(row_label(&row.label, frame.min.x, middle));
+            group = group.add(row_label(Letters::Text, &row.label, frame.min.x, middle));
         }
         group = group.add(of_row(row, &axis, middle));
     }

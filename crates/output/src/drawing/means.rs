@@ -1,9 +1,10 @@
 //! The figure of means with their intervals: one row per combination, one mark per series.
 
 use super::kit::{
-    Axis, Legend, LineStyle, MARGIN, Shape, Strips, Text, document, level_sample, mark, place, stroke,
+    Axis, Legend, LineStyle, MARGIN, Shape, Sheet, Strips, Text, document_on, level_sample, mark, place,
+    stroke,
 };
-use super::{WIDTH, not_drawable, nothing};
+use super::{not_drawable, nothing};
 use cocarry::Error;
 use cocarry::geometry::Point;
 use svg::node::element::Group;
@@ -43,7 +44,12 @@ const SHAPES: [Shape; 4] = [Shape::Disc, Shape::Square, Shape::Triangle, Shape::
 ///
 /// # Errors
 /// There is no mean, or a value is not a number.
-pub fn means(panels: &[MeanPanel], series: &[String], axis_title: &str) -> Result<String, Error> {
+pub fn means(
+    panels: &[MeanPanel],
+    series: &[String],
+    axis_title: &str,
+    sheet: Sheet,
+) -> Result<String, Error> {
     let rows = || panels.iter().flat_map(|panel| &panel.rows);
     for row in rows() {
         if let Some(value) = values(row).find(|value| value.is_nan() || value.abs() > MAX_VALUE) {
@@ -66,6 +72,7 @@ pub fn means(panels: &[MeanPanel], series: &[String], axis_title: &str) -> Resul
         row_height: ROW_ROOM + SERIES_HEIGHT * series.len() as f64,
         range: [least - margin, most + margin],
         guide: None,
+        sheet,
     };
     let (drawn, top) = strips.draw(&Text::new(axis_title), |[panel, row], axis, middle| {
         marks(&panels[panel].rows[row], series.len(), axis, middle)
@@ -74,8 +81,9 @@ pub fn means(panels: &[MeanPanel], series: &[String], axis_title: &str) -> Resul
         legend.entry(level_sample(&colour(i), INTERVAL_LINE).add(series_mark(i)), name)
     };
     let legend = series.iter().enumerate().fold(Legend::of_lines(), entry);
-    let (legend, bottom) = legend.draw(Point::new(MARGIN, top), WIDTH - 2.0 * MARGIN);
-    Ok(document(bottom).add(drawn).add(legend).to_string())
+    let (legend, bottom) =
+        legend.with_letters(sheet.letters).draw(Point::new(MARGIN, top), sheet.width - 2.0 * MARGIN);
+    Ok(document_on(sheet, bottom).add(drawn).add(legend).to_string())
 }
 
 fn values(row: &MeanRow) -> impl Iterator<Item = f64> {
@@ -123,7 +131,9 @@ mod tests {
         let panel =
             |title: &str| MeanPanel { title: title.to_owned(), rows: vec![row("eta 5"), row("eta 15")] };
         let series = ["mutual", "robot-led", "human-led"].map(str::to_owned);
-        let svg = checked(|| means(&[panel("Environment 1"), panel("Environment 4")], &series, "J (m)"));
+        let svg = checked(|| {
+            means(&[panel("Environment 1"), panel("Environment 4")], &series, "J (m)", Sheet::default())
+        });
         assert_eq!(svg.matches("class=\"interval\"").count(), 4);
         // and three in the legend
         assert_eq!(svg.matches("class=\"mark\"").count(), 8 + 3);
@@ -131,9 +141,11 @@ mod tests {
 
     #[test]
     fn what_cannot_be_drawn_is_refused() {
-        assert_eq!(error(means(&[MeanPanel::default()], &[], "")), NOTHING);
+        assert_eq!(error(means(&[MeanPanel::default()], &[], "", Sheet::default())), NOTHING);
         let rows = vec![MeanRow { label: String::new(), means: vec![Some((f64::NAN, None))] }];
         let panel = MeanPanel { rows, ..MeanPanel::default() };
-        assert!(error(means(&[panel], &[String::new()], "")).ends_with(": NaN cannot be drawn"));
+        assert!(
+            error(means(&[panel], &[String::new()], "", Sheet::default())).ends_with(": NaN cannot be drawn")
+        );
     }
 }

@@ -34,7 +34,7 @@ pub use differences::{DifferencePanel, DifferenceRow, differences};
 pub use film::{Film, Moment, NARROWEST, STAND_IN, WIDEST, stand_in};
 pub use heat::{HeatPanel, heat_maps};
 pub use intervals::{IntervalMarks, IntervalPanel, IntervalRow, intervals};
-pub use kit::{Letters, dark_rules};
+pub use kit::{Letters, Sheet, dark_rules};
 pub use map::{MAX_LISTED, world_map};
 pub use means::{MeanPanel, MeanRow, means};
 pub use moving::Moving;

@@ -1,7 +1,7 @@
 //! The figure of cost ratios: a strip for every method, with a mark for every cell of a table.
 
 use super::kit::{
-    Axis, Legend, LineStyle, MARGIN, Shape, Strips, Text, document, guide, mark, mean_bar, place,
+    Axis, Legend, LineStyle, MARGIN, Shape, Sheet, Strips, Text, document, guide, mark, mean_bar, place,
 };
 use super::{WIDTH, nothing};
 use cocarry::Error;
@@ -71,6 +71,7 @@ pub fn cost_ratios(panels: &[RatioPanel]) -> Result<String, Error> {
         row_height: ROW_HEIGHT,
         range: range(panels),
         guide: Some(BASELINE),
+        sheet: Sheet::default(),
     };
     let title = Text::new("control cost ").italic("C").plain(" relative to no pose optimisation");
     let (drawn, top) = strips.draw(&title, |[panel, row], axis, middle| {

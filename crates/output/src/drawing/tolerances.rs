@@ -2,9 +2,9 @@
 //! distribution of all.
 
 use super::kit::{
-    AXIS_ROOM, Axis, BAND, FAINT, GRID, Legend, LineStyle, MARGIN, SAMPLE, Shape, Side, Text, border,
-    document, guide, left_of_rows, level, level_sample, mark, notes, place, polygon, rectangle, row_label,
-    stroke, upright,
+    AXIS_ROOM, Axis, BAND, FAINT, GRID, Legend, Letters, LineStyle, MARGIN, SAMPLE, Shape, Side, Text,
+    border, document, guide, left_of_rows, level, level_sample, mark, notes, place, polygon, rectangle,
+    row_label, stroke, upright,
 };
 use super::{WIDTH, not_drawable, nothing};
 use cocarry::Error;
@@ -72,7 +72,7 @@ pub fn tolerances(
     let mut top = frame.min.y;
     for row in rows {
         let bottom = top + height(row);
-        group = group.add(row_label(&row.label, frame.min.x, (top + bottom) / 2.0));
+        group = group.add(row_label(Letters::Text, &row.label, frame.min.x, (top + bottom) / 2.0));
         group = group.add(stroke(&level(bottom, frame), GRID, 1.0)).add(draw(row, &axis, top, frame));
         top = bottom;
     }

@@ -80,7 +80,7 @@ pub use error::{ReadError, RecordingError};
 pub use live::{LiveError, LiveServer};
 pub use overview::{FIELD_OF_VIEW_DEG, Overview};
 pub use playback::{Frame, Playback, RecordedEvent};
-pub use provenance::{METADATA, Provenance, RECOVERED, SCENARIO, scenario};
+pub use provenance::{METADATA, Provenance, RECOVERED, SCENARIO, VERSION, scenario};
 pub use reader::{Entry, Reader, Recorded};
 pub use recorder::{FileRecorder, Recorder};
 pub use records::Attachment;

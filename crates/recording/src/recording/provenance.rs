@@ -14,6 +14,8 @@ pub const METADATA: &str = "cocarry";
 pub const RECOVERED: &str = "recovered";
 /// The size of the largest scenario that is read, bytes: a world and a robot.
 const MAX_BYTES: usize = bounds::SCENARIO.bytes() as usize;
+/// The key of the version of the program that wrote a recording.
+pub const VERSION: &str = "crate_version";
 /// The key of the [stamp](arithmetic::stamp) of a recording's arithmetic.
 pub(super) const ARITHMETIC: &str = "arithmetic";
 /// The name of the attachment with the scenario's text.
@@ -45,7 +47,7 @@ impl Provenance {
             setup.robot = texts.into();
         }
         let facts = [
-            ("crate_version", env!("CARGO_PKG_VERSION").to_owned()),
+            (VERSION, env!("CARGO_PKG_VERSION").to_owned()),
             (ARITHMETIC, arithmetic::stamp().to_owned()),
             ("seed", scenario.seed.to_string()),
             ("world", scenario.world.file().to_owned()),

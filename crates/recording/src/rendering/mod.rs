@@ -7,14 +7,16 @@
 mod film;
 mod layout;
 mod learned;
+mod pdf;
 mod pictures;
 mod player;
 mod robot;
 mod take_over;
 
 pub use layout::viewer_layout;
+pub use pdf::pdf;
 pub use pictures::{
-    Pixels, Width, filmstrip_png, filmstrip_svg, last_picture, moving_gif, stimulus_gif, stimulus_png,
+    Pixels, Width, filmstrip_png, filmstrip_svg, last_picture, moving_gif, png, stimulus_gif, stimulus_png,
 };
 pub use player::{player, stimulus_page};
 pub use robot::robot_page;

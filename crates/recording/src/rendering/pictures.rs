@@ -3,7 +3,7 @@
 use super::film::film;
 use crate::recording::Playback;
 use cocarry::Error;
-use cocarry_output::drawing::{Letters, Moment, NARROWEST, Stimulus, WIDEST};
+use cocarry_output::drawing::{Letters, Moment, NARROWEST, Sheet, Stimulus, WIDEST};
 use gif::{DisposalMethod, Encoder, Frame, Repeat};
 use resvg::tiny_skia::{Color, Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
@@ -54,6 +54,19 @@ impl Width {
         }
     }
 
+    /// The sheet of a picture of this width.
+    pub fn sheet(self, letters: Letters) -> Sheet {
+        Sheet { width: self.layout(), shown: self.shown(), letters }
+    }
+
+    /// The width on paper, pt: as in SVG, 96 pixels are an inch.
+    pub(super) fn points(self) -> f64 {
+        match self {
+            Self::Pixels(pixels) => 0.75 * f64::from(pixels),
+            Self::Inches(inches) => 72.0 * inches,
+        }
+    }
+
     /// The width of an image, px.
     fn pixels(self) -> f64 {
         match self {
@@ -72,14 +85,21 @@ pub fn filmstrip_svg(playback: &Playback, instants: usize, width: Width) -> Resu
     film(playback, Letters::Text).strip(instants, width.layout(), width.shown())
 }
 
+/// A picture whose letters are outlines as a PNG file.
+///
+/// # Errors
+/// It is too large.
+pub fn png(svg: &str, width: Width) -> Result<Vec<u8>, Error> {
+    raster(svg, width.pixels())?.encode_png().map_err(no_image)
+}
+
 /// The filmstrip as a PNG file.
 ///
 /// # Errors
 /// It cannot be drawn, or is too large.
 pub fn filmstrip_png(playback: &Playback, instants: usize, width: Width) -> Result<Vec<u8>, Error> {
     let svg = film(playback, Letters::Outlines).strip(instants, width.layout(), width.shown())?;
-    let picture = raster(&svg, width.pixels())?;
-    picture.encode_png().map_err(no_image)
+    png(&svg, width)
 }
 
 /// The team on the map with phi next to it, as an animated GIF at twice the recording's speed. Of a long

@@ -7,7 +7,7 @@ use super::{OUTCOMES, Plane, PlanePart, SweepError};
 use cocarry::Error;
 use cocarry::quantities::{EPISODE, Kind};
 use cocarry_output::drawing::{
-    DifferencePanel, DifferenceRow, HeatPanel, MeanPanel, MeanRow, differences, heat_maps, means,
+    DifferencePanel, DifferenceRow, HeatPanel, MeanPanel, MeanRow, Sheet, differences, heat_maps, means,
 };
 use std::collections::BTreeMap;
 
@@ -22,7 +22,7 @@ pub enum Drawn {
     Map(usize),
 }
 
-/// Draws results, as SVG, and returns what a reader should know of the rows.
+/// Draws results on a sheet, as SVG, and returns what a reader should know of the rows.
 ///
 /// # Errors
 /// [`SweepError`]: the results cannot be read, or do not have what is drawn.
@@ -30,17 +30,20 @@ pub fn picture(
     results: &[Results],
     quantity: &str,
     drawn: &Drawn,
+    sheet: Sheet,
 ) -> Result<(String, Vec<String>), SweepError> {
     let names = results.iter().map(Results::name).collect::<Vec<_>>().join(", ");
     let (svg, notes) = match drawn {
-        Drawn::Map(cells) => (of_plane(&Plane::load(results, quantity, *cells)?, quantity), Vec::new()),
+        Drawn::Map(cells) => {
+            (of_plane(&Plane::load(results, quantity, *cells)?, quantity, sheet), Vec::new())
+        }
         Drawn::Means => {
             let summary = Summary::load(results, &Comparing::default())?;
-            (of_means(&summary, quantity), summary.notes)
+            (of_means(&summary, quantity, sheet), summary.notes)
         }
         Drawn::Differences(comparing) => {
             let summary = Summary::load(results, comparing)?;
-            (of_differences(&names, &summary, quantity)?, summary.notes)
+            (of_differences(&names, &summary, quantity, sheet)?, summary.notes)
         }
     };
     let refused = |error| Error::new(format!("{names}: `{quantity}` cannot be drawn")).because(error);
@@ -70,7 +73,7 @@ fn title(column: &str) -> String {
 }
 
 /// Panels by world, rows by all other inputs but the method, a series for every method.
-fn of_means(summary: &Summary, quantity: &str) -> Result<String, Error> {
+fn of_means(summary: &Summary, quantity: &str, sheet: Sheet) -> Result<String, Error> {
     let series_of = ["method", "policy_code"];
     let named = summary.named();
     let names: Vec<&str> =
@@ -102,7 +105,7 @@ fn of_means(summary: &Summary, quantity: &str) -> Result<String, Error> {
         list.resize(list.len().max(which + 1), None);
         list[which] = mean(group, quantity);
     }
-    means(&panels, &series, &title(quantity))
+    means(&panels, &series, &title(quantity), sheet)
 }
 
 fn mean(group: &Group, quantity: &str) -> Option<(f64, Option<[f64; 2]>)> {
@@ -114,6 +117,7 @@ fn of_differences(
     file: &str,
     summary: &Summary,
     quantity: &str,
+    sheet: Sheet,
 ) -> Result<Result<String, Error>, SweepError> {
     let names: Vec<&str> = summary.named().into_iter().filter(|name| *name != "world").collect();
     let compared: Vec<&Comparison> = summary.comparisons.iter().filter(|c| c.cost == quantity).collect();
@@ -146,11 +150,11 @@ fn of_differences(
         }
     }
     let axis = format!("difference of {}", title(quantity));
-    Ok(differences(&panels, &axis))
+    Ok(differences(&panels, &axis, sheet))
 }
 
 /// A map for every combination.
-fn of_plane(plane: &Plane, quantity: &str) -> Result<String, Error> {
+fn of_plane(plane: &Plane, quantity: &str, sheet: Sheet) -> Result<String, Error> {
     let first = &plane.parts[0].inputs;
     let varies = |name: &&String| plane.parts.iter().any(|part| part.inputs.get(*name) != first.get(*name));
     const REPEATED: [&str; 5] = ["world", "humans_alpha", "humans_gamma", "belief_alpha", "belief_gamma"];
@@ -163,5 +167,5 @@ fn of_plane(plane: &Plane, quantity: &str) -> Result<String, Error> {
         values: part.means.clone(),
     };
     let panels: Vec<HeatPanel> = plane.parts.iter().map(panel).collect();
-    heat_maps(&panels, plane.ranges, &title(quantity))
+    heat_maps(&panels, plane.ranges, &title(quantity), sheet)
 }

@@ -2,7 +2,7 @@
 
 use super::text::number;
 use super::{
-    AXIS_ROOM, Align, FRAME_WIDTH, GAP, GRID, INK, Letters, MARGIN, TEXT_SIZE, TITLE_SIZE, Text, WIDTH,
+    AXIS_ROOM, Align, FRAME_WIDTH, GAP, GRID, INK, Letters, MARGIN, Sheet, TEXT_SIZE, TITLE_SIZE, Text,
     border, level, px, stroke, upright,
 };
 use cocarry::geometry::{Bounds, Point, Vector};
@@ -34,7 +34,7 @@ pub(in super::super) struct Axis {
     ends: [f64; 2],
     /// Whether the axis is logarithmic.
     is_log: bool,
-    letters: Letters,
+    sheet: Sheet,
 }
 
 impl Axis {
@@ -44,7 +44,7 @@ impl Axis {
             Side::Left => [frame.max.y, frame.min.y],
             _ => [frame.min.x, frame.max.x],
         };
-        Self { side, range, ends, is_log: false, letters: Letters::Text }
+        Self { side, range, ends, is_log: false, sheet: Sheet::default() }
     }
 
     /// A logarithmic axis; the range must be positive.
@@ -54,7 +54,12 @@ impl Axis {
 
     /// The same axis in these letters.
     pub fn with_letters(self, letters: Letters) -> Self {
-        Self { letters, ..self }
+        self.on(Sheet { letters, ..self.sheet })
+    }
+
+    /// The same axis on a sheet.
+    pub fn on(self, sheet: Sheet) -> Self {
+        Self { sheet, ..self }
     }
 
     /// The position of a value, px; values beyond the ends are clamped.
@@ -150,7 +155,7 @@ impl Axis {
         let ticks = self.ticks();
         let widest = widest(&ticks);
         // centred on the frame, but inside the picture; frames beyond the usual width are in wider ones
-        let right = frame.max.x.max(WIDTH - MARGIN);
+        let right = frame.max.x.max(self.sheet.width - MARGIN);
         let half = title.width(TITLE_SIZE) / 2.0;
         let middle = nalgebra::center(&frame.min, &frame.max);
         let x = middle.x.min(right - half).max(MARGIN + half);
@@ -165,11 +170,11 @@ impl Axis {
         };
         let group = ticks.into_iter().fold(Group::new().set("class", "axis"), |group, (value, label)| {
             let place = self.foot(value, frame).0 + Vector::from(offset);
-            group.add(Text::new(label).lettered(self.letters, place, size, align))
+            group.add(Text::new(label).lettered(self.sheet.letters, place, size, align))
         });
         let turned = Group::new().set("transform", format!("rotate({angle} {} {})", px(at.x), px(at.y)));
         group.add(self.marks(frame)).add(turned.add(title.lettered(
-            self.letters,
+            self.sheet.letters,
             at,
             TITLE_SIZE,
             Align::Middle,
@@ -199,6 +204,11 @@ impl Plot {
     /// The same plot in these letters.
     pub fn with_letters(self, letters: Letters) -> Self {
         Self { x: self.x.with_letters(letters), y: self.y.with_letters(letters), ..self }
+    }
+
+    /// The same plot on a sheet.
+    pub fn on(self, sheet: Sheet) -> Self {
+        Self { x: self.x.on(sheet), y: self.y.on(sheet), ..self }
     }
 
     pub fn at(&self, x: f64, y: f64) -> Point {

@@ -13,6 +13,7 @@ mod letters;
 mod marks;
 mod palette;
 mod shapes;
+mod sheet;
 mod strips;
 mod text;
 
@@ -28,6 +29,7 @@ pub(super) use palette::{
     width_by_rank, widths_by_probability,
 };
 pub(super) use shapes::{area, disc, path_data, polygon, px, rectangle, rounded, stroke};
+pub use sheet::Sheet;
 pub(super) use strips::Strips;
 pub(super) use text::{Align, Text, number, printable, wrapped};
 
@@ -57,6 +59,16 @@ const GUIDE_WIDTH: f64 = 1.6;
 /// An empty white picture.
 pub(super) fn document(height: f64) -> Document {
     document_of(WIDTH, height)
+}
+
+/// An empty white picture on a sheet.
+pub(super) fn document_on(sheet: Sheet, height: f64) -> Document {
+    let (shown, unit) = sheet.shown;
+    let size = |length: f64| match unit {
+        "" => px(length * shown / sheet.width),
+        _ => format!("{:.3}{unit}", length * shown / sheet.width),
+    };
+    document_of(sheet.width, height).set("width", size(sheet.width)).set("height", size(height))
 }
 
 /// An empty white picture of another width.
@@ -112,9 +124,9 @@ pub(super) fn left_of_rows<'a>(labels: impl Iterator<Item = &'a str>, most: f64)
 }
 
 /// A row's label to the left of the frame that begins at `left`, shortened to fit the picture.
-pub(super) fn row_label(text: &str, left: f64, middle: f64) -> Element {
+pub(super) fn row_label(letters: Letters, text: &str, left: f64, middle: f64) -> Element {
     let at = Point::new(left - GAP, middle + 0.35 * TEXT_SIZE);
-    Text::new(text).within(left - MARGIN - GAP, TEXT_SIZE).at(at, TEXT_SIZE, Align::Right)
+    Text::new(text).within(left - MARGIN - GAP, TEXT_SIZE).lettered(letters, at, TEXT_SIZE, Align::Right)
 }
 
 /// Sentences below a picture from `top` (px) on, one per line, in a font size that fits the width; and the y

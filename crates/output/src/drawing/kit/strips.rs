@@ -1,10 +1,9 @@
 //! Panels of labelled rows, stacked on one horizontal axis.
 
 use super::{
-    AXIS_ROOM, Axis, GAP, MARGIN, STRIPE, Side, TITLE_ROOM, Text, border, frame_title, guide, left_of_rows,
-    rectangle, row_label, upright,
+    AXIS_ROOM, Axis, GAP, MARGIN, STRIPE, Sheet, Side, TITLE_ROOM, Text, border, guide, left_of_rows,
+    lettered_title, rectangle, row_label, upright,
 };
-use crate::drawing::WIDTH;
 use cocarry::geometry::{Bounds, Point, Vector};
 use svg::node::element::Group;
 
@@ -20,11 +19,14 @@ pub(in crate::drawing) struct Strips<'t> {
     pub range: [f64; 2],
     /// A value with a line through all rows.
     pub guide: Option<f64>,
+    /// What they are drawn on.
+    pub sheet: Sheet,
 }
 
 impl Strips<'_> {
     /// The panels, and the y (px) at which they end. `marks` draws the row (panel, row) around a height (px).
     pub fn draw(&self, axis_title: &Text, marks: impl Fn([usize; 2], &Axis, f64) -> Group) -> (Group, f64) {
+        let letters = self.sheet.letters;
         let labels = self.panels.iter().flat_map(|(_, labels)| labels.iter().copied());
         let left = left_of_rows(labels, self.labels_width);
         let mut drawn = Group::new();
@@ -32,10 +34,11 @@ impl Strips<'_> {
         for (i, (title, labels)) in self.panels.iter().enumerate() {
             let min = Point::new(left, top + TITLE_ROOM);
             let bottom = min.y + labels.len() as f64 * self.row_height;
-            let frame = Bounds { min, max: Point::new(WIDTH - MARGIN, bottom) };
+            let frame = Bounds { min, max: Point::new(self.sheet.width - MARGIN, bottom) };
             // keeps marks at the ends inside the frame
-            let axis = Axis::linear(Side::Below, self.range, frame.grown(-GAP));
-            let mut panel = Group::new().set("class", "panel").add(frame_title(title, MARGIN, frame));
+            let axis = Axis::linear(Side::Below, self.range, frame.grown(-GAP)).on(self.sheet);
+            let title = lettered_title(letters, title, MARGIN, frame);
+            let mut panel = Group::new().set("class", "panel").add(title);
             let strip = |row: usize| {
                 let min = frame.min + Vector::new(0.0, row as f64 * self.row_height);
                 Bounds { min, max: Point::new(frame.max.x, min.y + self.row_height) }
@@ -50,7 +53,7 @@ impl Strips<'_> {
             for (row, label) in labels.iter().enumerate() {
                 let middle = nalgebra::center(&strip(row).min, &strip(row).max).y;
                 let marks = marks([i, row], &axis, middle).set("class", "row");
-                panel = panel.add(row_label(label, frame.min.x, middle)).add(marks);
+                panel = panel.add(row_label(letters, label, frame.min.x, middle)).add(marks);
             }
             drawn = drawn.add(panel.add(border(frame)));
             top = frame.max.y;

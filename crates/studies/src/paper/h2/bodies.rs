@@ -10,7 +10,7 @@ use crate::statistics::Estimate;
 use crate::table::{Cell, Columns, Table};
 use cocarry::Error;
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
-use cocarry_output::drawing::{DifferencePanel, DifferenceRow, differences};
+use cocarry_output::drawing::{DifferencePanel, DifferenceRow, Sheet, differences};
 
 /// Table II with bodies.
 pub(crate) const PART: Part = Part {
@@ -93,7 +93,7 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
             name: "table-2-bodies".to_owned(),
             caption: "Table II with bodies: cost minus that of the same human without the model, of the humans who arrive both times.".to_owned(),
             is_half: false,
-            svg: differences(&panels, DIFFERENCE_AXIS)?,
+            svg: differences(&panels, DIFFERENCE_AXIS, Sheet::default())?,
         }));
     }
     Ok(Section { title: "H2 with bodies".to_owned(), finding: finding(&rows), blocks })

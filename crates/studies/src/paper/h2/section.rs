@@ -11,7 +11,7 @@ use cocarry::Error;
 use cocarry::policy::Method;
 use cocarry::world::World;
 use cocarry_output::drawing::{
-    Curve, CurvePanel, DifferencePanel, DifferenceRow, Track, adaptation, curves, differences,
+    Curve, CurvePanel, DifferencePanel, DifferenceRow, Sheet, Track, adaptation, curves, differences,
 };
 
 /// Table II.
@@ -128,7 +128,7 @@ fn run(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
                 h2::SAMPLES
             ),
             is_half: false,
-            svg: differences(&panels(&rows), DIFFERENCE_AXIS)?,
+            svg: differences(&panels(&rows), DIFFERENCE_AXIS, Sheet::default())?,
         }),
     ];
     // the paper's example first, then the same human elsewhere

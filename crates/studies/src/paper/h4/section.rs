@@ -13,7 +13,7 @@ use crate::table::{Cell, Columns, Table};
 use cocarry::Error;
 use cocarry::policy::Method;
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
-use cocarry_output::drawing::{MeanPanel, MeanRow, means};
+use cocarry_output::drawing::{MeanPanel, MeanRow, Sheet, means};
 use serde_json::Value;
 
 /// H4.
@@ -87,7 +87,12 @@ fn pictures(findings: &Findings) -> Result<[Figure; 2], Error> {
     let series: Vec<String> = RobotKind::ALL[1..].iter().map(|robot| robot.name().to_owned()).collect();
     let figure = |name: &str, caption: &str, panels: &[MeanPanel], axis: &str| {
         let (name, caption) = (name.to_owned(), caption.to_owned());
-        Ok::<_, Error>(Figure { name, caption, is_half: false, svg: means(panels, &series, axis)? })
+        Ok::<_, Error>(Figure {
+            name,
+            caption,
+            is_half: false,
+            svg: means(panels, &series, axis, Sheet::default())?,
+        })
     };
     Ok([
         figure(
