@@ -38,7 +38,9 @@ from cocarry._cocarry import (
     read,
     settings,
 )
+from cocarry import _display as _display  # tables show themselves by it
 from cocarry._compare import Picture, compare, plot, summary
+from cocarry._palette import option_colour
 from cocarry._partners import Decision, Human, HumanDecision, Policy
 from cocarry._program import fit_eta, fit_risk_weight, reproduce
 from cocarry._register import register_if_installed as _register_if_installed
@@ -75,6 +77,7 @@ __all__ = [
     "fit_eta",
     "fit_risk_weight",
     "gumbel",
+    "option_colour",
     "plot",
     "quantities",
     "read",

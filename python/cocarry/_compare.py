@@ -9,7 +9,7 @@ import warnings
 from collections.abc import Sequence
 from typing import Any, Literal, TypeVar
 
-from cocarry import _cocarry
+from cocarry import _arguments, _cocarry
 from cocarry._cocarry import StudyError, Table
 
 _Path = str | os.PathLike[str]
@@ -26,7 +26,8 @@ class Picture:
     def save(self, file: _Path, *, overwrite: bool = False) -> pathlib.Path:
         """Writes the picture into an SVG file, and returns its path. Raises StudyError if the file exists already,
         unless ``overwrite``, or if its name does not end in ``.svg``."""
-        path = pathlib.Path(file)
+        path = pathlib.Path(_arguments.file("file", file, StudyError))
+        _arguments.flag("overwrite", overwrite, StudyError)
         if path.suffix.lower() != ".svg":
             raise StudyError(f"{path}: expected the extension .svg")
         try:
@@ -70,7 +71,10 @@ def compare(
 
     Warns of rows that could not be checked. Raises StudyError with what would be right.
     """
-    table, notes = _cocarry.compare(_given(results), by, _names(over), _names(quantities))
+    if by is not None:
+        _arguments.word("by", by, "the name of an input, or None", StudyError)
+    lists = [_arguments.words(name, given, "a column", StudyError) for name, given in (("over", over), ("quantities", quantities))]
+    table, notes = _cocarry.compare(_given(results), by, *lists)
     return _noted(table, notes)
 
 
@@ -100,7 +104,11 @@ def plot(
 
     Raises StudyError.
     """
-    svg, notes = _cocarry.plot(_given(results), kind, quantity, by, cells)
+    _arguments.word("kind", kind, "one of: means, differences, map", StudyError)
+    _arguments.word("quantity", quantity, "a column", StudyError)
+    if by is not None:
+        _arguments.word("by", by, "the name of an input, or None", StudyError)
+    svg, notes = _cocarry.plot(_given(results), kind, quantity, by, _arguments.whole("cells", cells, 2, 60, StudyError))
     return _noted(Picture(svg), notes)
 
 
@@ -111,12 +119,16 @@ def _noted(found: _Found, notes: list[str]) -> _Found:
     return found
 
 
-def _names(given: str | Sequence[str]) -> list[str]:
-    return [given] if isinstance(given, str) else list(given)
-
-
 def _given(results: Sequence[Any]) -> list[Any]:
-    return [one if isinstance(one, (Table, str, os.PathLike)) else _frame(one) for one in results]
+    return [_one(one) for one in results]
+
+
+def _one(result: Any) -> Any:
+    if isinstance(result, Table):
+        return result
+    if isinstance(result, (str, os.PathLike)):
+        return _arguments.file("results", result, StudyError)
+    return _frame(result)
 
 
 def _frame(frame: Any) -> tuple[list[str], list[list[str]]]:

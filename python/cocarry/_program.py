@@ -8,11 +8,15 @@ import subprocess
 import sys
 from typing import Any
 
+from cocarry import _arguments
 from cocarry._cocarry import Error
 
 
 def _run(*arguments: str) -> dict[str, Any]:
     command = [sys.executable, "-m", "cocarry", *arguments, "--json"]
+    for argument in arguments:
+        if "\0" in argument or not argument.isprintable():
+            raise Error(f"{argument!r} is not an argument of the program: it has characters that are not printed")
     done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         message = done.stderr.strip() or f"the program ended with code {done.returncode}"
@@ -41,6 +45,7 @@ def reproduce(claim: str, **options: Any) -> dict[str, Any]:
     Options are those of ``cocarry reproduce CLAIM --help``, with underscores: ``reproduce("h2", seed=1)``.
     Returns what ``--json`` prints. Raises Error with the program's message.
     """
+    _arguments.word("claim", claim, "the name of a claim, as h1", Error)
     return _run("reproduce", claim, *_flags(options))
 
 
@@ -50,7 +55,7 @@ def fit_risk_weight(answers: str | os.PathLike[str], **options: Any) -> dict[str
     Options are those of ``cocarry fit risk-weight --help``, with underscores. Returns what ``--json`` prints.
     Raises Error with file, line, value and what would be right.
     """
-    return _run("fit", "risk-weight", os.fspath(answers), *_flags(options))
+    return _run("fit", "risk-weight", _arguments.file("answers", answers), *_flags(options))
 
 
 def fit_eta(switches: str | os.PathLike[str], **options: Any) -> dict[str, Any]:
@@ -59,4 +64,4 @@ def fit_eta(switches: str | os.PathLike[str], **options: Any) -> dict[str, Any]:
     Options are those of ``cocarry fit eta --help``, with underscores. Returns what ``--json`` prints.
     Raises Error with file, line, value and what would be right.
     """
-    return _run("fit", "eta", os.fspath(switches), *_flags(options))
+    return _run("fit", "eta", _arguments.file("switches", switches), *_flags(options))

@@ -10,7 +10,7 @@ from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from typing import Any, Literal, overload
 
-from cocarry import _cocarry, _identity, _ray, _registry
+from cocarry import _arguments, _cocarry, _identity, _ray, _registry
 from cocarry._cocarry import StudyError, Table
 
 
@@ -96,11 +96,20 @@ def sweep(
 
     Raises StudyError with the file, the line, the key, the value and what would be right.
     """
+    if seeds is not None:
+        _arguments.whole("seeds", seeds, 1, error=StudyError)
+    for name, given_flag in (("overwrite", overwrite), ("table", table)):
+        _arguments.flag(name, given_flag, StudyError)
+    for name, given_file in (("out", out), ("ticks", ticks)):
+        if given_file is not None:
+            _arguments.file(name, given_file, StudyError)
+    if not isinstance(progress, bool) and not callable(progress):
+        raise StudyError(f"progress = {progress!r}; it must be True, False or a callable of the episodes done and all")
     if not table and out is None:
         raise StudyError("table = False: needs out = a file; there would be no results")
     text, file, folder = _source(study)
     if backend is not None:
-        if backend != "ray":
+        if not isinstance(backend, str) or backend != "ray":
             raise StudyError(f'backend = {backend!r}; it must be "ray" or None')
         if any(given is not None for given in (shard, threads, processes, policy, human, ticks)):
             raise StudyError('backend = "ray": without shard, threads, processes, ticks and custom partners')
@@ -114,10 +123,9 @@ def sweep(
             text, file=file, folder=folder, seeds=seeds, shard=shard, threads=threads, **partners,
             out=out, ticks=ticks, overwrite=overwrite, progress=tell, table=table,
         )
-    if processes < 1 or any(given is not None for given in (shard, threads, ticks)):
-        raise StudyError(
-            "processes must be at least 1, without shard, threads and ticks: processes have a thread each"
-        )
+    _arguments.whole("processes", processes, 1, 10_000, StudyError)
+    if any(given is not None for given in (shard, threads, ticks)):
+        raise StudyError("processes: without shard, threads and ticks; processes have a thread each")
     source = {"text": text, "file": file, "folder": folder, "seeds": seeds}
     return _in_processes(processes, source, partners, out, overwrite, tell, table)
 
@@ -183,6 +191,7 @@ def _partners(what: str, given: Any) -> list[Partner]:
 def _partner(what: str, given: Any) -> Partner:
     if not isinstance(given, str):
         return _custom(what, given, _identity.name_of(given))
+    _arguments.word(what, given, "a custom one or a name", StudyError)
     if given not in _registry.registered(what):
         return given, None, None
     return _custom(what, _registry.load(what, given), given, _registry.version(what, given))
@@ -199,7 +208,10 @@ def _source(study: str | os.PathLike[str] | Mapping[str, Any]) -> tuple[str, str
         return _toml(study), "study", "."
     if isinstance(study, str) and "\n" in study:
         return study, "study", "."
-    path = pathlib.Path(study)
+    try:
+        path = pathlib.Path(_arguments.file("study", study, StudyError))
+    except StudyError:
+        raise StudyError(f"study = {study!r}; it must be a study file, its text or a mapping") from None
     try:
         return path.read_text(encoding="utf-8"), str(path), str(path.parent)
     except (OSError, UnicodeDecodeError) as error:

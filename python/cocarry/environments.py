@@ -34,7 +34,7 @@ from gymnasium import spaces
 from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
-from cocarry import _cocarry
+from cocarry import _arguments, _cocarry
 from cocarry._cocarry import Error, Lanes, Scenario, World
 from cocarry._register import register
 
@@ -66,17 +66,16 @@ _WISHES = ("world", "seed", "alpha", "gamma")
 
 def _wish(options: Mapping[str, Any] | None) -> dict[str, Any]:
     """What ``reset(options=)`` asks for."""
-    unknown = [key for key in options or {} if key not in _WISHES]
+    wish = {} if options is None else dict(_arguments.mapping("options", options))
+    unknown = [key for key in wish if key not in _WISHES]
     if unknown:
         raise Error(f"reset: unknown option {unknown[0]!r}; expected one of: {', '.join(_WISHES)}")
-    return dict(options or {})
+    return wish
 
 
 def _seed(seed: Any) -> int:
     """A seed of ``reset``, which Gymnasium wants whole."""
-    if isinstance(seed, bool) or not hasattr(seed, "__index__") or not 0 <= int(seed) < 2**64:
-        raise Error(f"seed = {seed!r}; it must be a whole number from 0 to {2**64 - 1}")
-    return int(seed)
+    return _arguments.whole("seed", seed, 0)
 
 
 def _space(lanes: Lanes) -> Any:
@@ -85,7 +84,7 @@ def _space(lanes: Lanes) -> Any:
 
 
 def _check_render_mode(render_mode: Any) -> None:
-    if render_mode not in (None, *_MODES):
+    if render_mode is not None and (not isinstance(render_mode, str) or render_mode not in _MODES):
         raise Error(f"render_mode = {render_mode!r}; it must be None or one of: {', '.join(_MODES)}")
 
 
@@ -242,7 +241,9 @@ def _carrying(
     plant: Literal["kinematic", "rapier"], action: str, scale: float | None, most: float | None, prices_ending: bool, tells: bool
 ) -> dict[str, Any]:
     """What both environments that carry tell their lanes."""
-    if action not in ("inputs", "reference", "residual"):
+    _arguments.flag("charges_failure", prices_ending)
+    _arguments.flag("built_in", tells)
+    if not isinstance(action, str) or action not in ("inputs", "reference", "residual"):
         raise Error(f"action = {action!r}; it must be one of: inputs, reference, residual")
     if scale is None:
         scale = _RESIDUAL_SCALE if action == "residual" else 1.0
@@ -353,14 +354,14 @@ class _VectorEnv(_Resumable, VectorEnv[_Floats, Any, NDArray[Any]]):
         """Begins episodes: lane i is seeded with ``seed + i``. ``options`` are those of the single environment, and
         ``reset_mask``, the lanes to reset; ``info`` then is about these."""
         self._check_open()
-        options = dict(options or {})
+        options = {} if options is None else dict(_arguments.mapping("options", options))
         given = options.pop("reset_mask", None)
         wish = _wish(options)
         mask = np.ones(self.num_envs, dtype=bool) if given is None else self._mask(given)
         if seed is None and not self._is_seeded:
             seed = int(self.np_random.integers(2**62))
         if seed is not None:
-            is_one = isinstance(seed, str) or not isinstance(seed, (Sequence, np.ndarray))
+            is_one = isinstance(seed, str) or not isinstance(seed, (Sequence, np.ndarray)) or getattr(seed, "ndim", 1) == 0
             seeds = [_seed(seed) + i for i in range(self.num_envs)] if is_one else list(seed)  # type: ignore[arg-type]
             if len(seeds) != self.num_envs:
                 raise Error(f"seed has {len(seeds)} numbers; it must be one number or one for each of {self.num_envs} environments")
@@ -456,7 +457,8 @@ _AUTORESETS = {AutoresetMode.NEXT_STEP: "next-step", AutoresetMode.SAME_STEP: "s
 
 
 def _mode(given: str | AutoresetMode) -> AutoresetMode:
-    mode = next((mode for mode in _AUTORESETS if given in (mode, mode.value, mode.name)), None)
+    is_named = isinstance(given, (str, AutoresetMode))
+    mode = next((mode for mode in _AUTORESETS if is_named and given in (mode, mode.value, mode.name)), None)
     if mode is None:
         raise Error(f"autoreset_mode = {given!r}; it must be NEXT_STEP, SAME_STEP or DISABLED")
     return mode

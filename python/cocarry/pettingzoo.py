@@ -16,8 +16,8 @@ from gymnasium import spaces
 from pettingzoo import ParallelEnv
 from pettingzoo.utils.conversions import parallel_to_aec
 
-from cocarry import _cocarry
-from cocarry._cocarry import Error, World
+from cocarry import _arguments, _cocarry
+from cocarry._cocarry import World
 from cocarry.environments import _ENVIRONMENTS, _MODES, _WISHES, _check_render_mode, _Resumable, _scenarios, _seed, _space, _wish
 
 __all__ = ["CocarryEnv", "env", "parallel_env"]
@@ -50,8 +50,8 @@ class CocarryEnv(_Resumable, ParallelEnv):  # type: ignore[misc]
     ) -> None:
         _check_render_mode(render_mode)
         weights = (objective_weight, subjective_weight, 0.0)
-        if max_cycles is not None and (isinstance(max_cycles, bool) or not hasattr(max_cycles, "__index__") or not 1 <= max_cycles < 2**64):
-            raise Error(f"max_cycles = {max_cycles!r}; it must be a whole number of at least 1")
+        if max_cycles is not None:
+            _arguments.whole("max_cycles", max_cycles, 1)
         self._make(1, "both", _scenarios(worlds, "point", settings), alpha=alpha, gamma=gamma, max_steps=max_cycles, weights=weights)
         self._weights, self.render_mode = weights[:2], render_mode
         self.possible_agents = ["robot", "human"]
@@ -88,7 +88,8 @@ class CocarryEnv(_Resumable, ParallelEnv):  # type: ignore[misc]
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, Any], dict[str, Any]]:
         """Begins an episode. ``options`` may set ``world`` (an index or a name), ``seed``, ``alpha`` and ``gamma`` of it; others
         are ignored, as PettingZoo's tests ask."""
-        wish = _wish({key: value for key, value in (options or {}).items() if key in _WISHES})
+        given = {} if options is None else _arguments.mapping("options", options)
+        wish = _wish({key: value for key, value in given.items() if key in _WISHES})
         if seed is not None or not self._is_seeded:
             self._lanes.seed(0, int(np.random.default_rng().integers(2**62)) if seed is None else _seed(seed))
         self._is_seeded = True
@@ -102,6 +103,7 @@ class CocarryEnv(_Resumable, ParallelEnv):  # type: ignore[misc]
         """One planning step (0.2 s by default)."""
         if not self.agents:
             raise _cocarry.ClosedError("the environment has no episode; call reset() first")
+        _arguments.mapping("actions", actions, _cocarry.ActionError)
         missing = [agent for agent in self.agents if agent not in actions]
         if missing:
             raise _cocarry.ActionError(f"there is no action of {missing[0]!r}; expected one of every agent: {', '.join(self.agents)}")

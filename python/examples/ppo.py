@@ -77,46 +77,13 @@ def train(seed: int, steps: int, lanes: int, checks: int, humans: int) -> dict:
     import torch
     from stable_baselines3 import PPO
     from stable_baselines3.common.callbacks import BaseCallback
-    from stable_baselines3.common.vec_env import VecEnv, VecNormalize
+    from stable_baselines3.common.vec_env import VecNormalize
 
-    class Native(VecEnv):
-        """The native vector environment for Stable-Baselines3."""
-
-        def __init__(self):
-            self.inner = gymnasium.make_vec("cocarry/Options-v0", lanes, threads=1, autoreset_mode="SameStep")
-            self.render_mode = None
-            super().__init__(lanes, self.inner.single_observation_space, self.inner.single_action_space)
-
-        def reset(self):
-            return self.inner.reset(seed=1_000_003 * seed)[0]
-
-        def step_async(self, actions):
-            self.actions = actions.astype(np.int64)
-
-        def step_wait(self):
-            observations, rewards, terminated, truncated, more = self.inner.step(self.actions)
-            infos = [{} for _ in range(lanes)]
-            for i in np.flatnonzero(terminated | truncated):
-                infos[i] = {"terminal_observation": more["final_obs"][i], "TimeLimit.truncated": bool(truncated[i])}
-            return observations, rewards, terminated | truncated, infos
-
-        def close(self):
-            self.inner.close()
-
-        def get_attr(self, name, indices=None):
-            return [getattr(self, name)] * lanes
-
-        def set_attr(self, name, value, indices=None):
-            raise NotImplementedError
-
-        def env_method(self, name, *arguments, indices=None, **keywords):
-            raise NotImplementedError
-
-        def env_is_wrapped(self, wrapper, indices=None):
-            return [False] * lanes
+    from native_vector import NativeVector
 
     torch.set_num_threads(1)
-    environment = VecNormalize(Native(), gamma=1.0)
+    vector = gymnasium.make_vec("cocarry/Options-v0", lanes, threads=1, autoreset_mode="SameStep")
+    environment = VecNormalize(NativeVector(vector, 1_000_003 * seed), gamma=1.0)
     model = PPO(
         "MlpPolicy", environment, seed=seed, device="cpu", gamma=1.0, gae_lambda=0.98, n_steps=128, batch_size=2048,
         n_epochs=6, learning_rate=lambda left: 1e-3 * max(left, 0.05), ent_coef=0.003,

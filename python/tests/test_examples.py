@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import importlib.util
 import pathlib
 import subprocess
@@ -39,6 +40,21 @@ def test_ppo_runs_with_a_tiny_budget():
     pytest.importorskip("stable_baselines3")
     shown = output("ppo.py", "--steps=8192", "--seeds=1", "--humans=2", "--lanes=8", "--checks=1", "--processes=1")
     assert importlib.util.find_spec("torch") and "\nppo " in shown
+
+
+def test_ppo_and_sac_carry_with_a_tiny_budget(tmp_path):
+    pytest.importorskip("stable_baselines3")
+    budget = ["--ppo-steps=4096", "--sac-steps=2400", "--seeds=1", "--humans=2", "--processes=1"]
+    shown = output("learn.py", *budget, f"--out={tmp_path / 'carried.csv'}")
+    lines = {tuple(line.split()[:2]): line for line in shown.splitlines()}
+    assert "100.0 +- 0.0" in lines["built-in", "residual"] and "+0.00 +- 0.00" in lines["built-in", "residual"]
+    with (tmp_path / "carried.csv").open(newline="") as file:
+        episodes = list(csv.DictReader(file))
+    carried = {(e["world"], e["seed"]): float(e["return"]) for e in episodes if e["agent"] == "built-in"}
+    assert len(carried) == 8 and len(episodes) == 8 * (4 + 4)
+    # whoever ends early has less than the built-in controller
+    early = [e for e in episodes if e["outcome"] != "arrived"]
+    assert early and all(float(e["return"]) < carried[e["world"], e["seed"]] for e in early)
 
 
 def test_a_clone_arrives_and_costs_what_mutual_costs():

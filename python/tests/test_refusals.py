@@ -41,6 +41,7 @@ def test_whole_numbers(wrong):
         refused(lambda: cocarry.Episode(point()).ticks(wrong), "steps = ")
         refused(lambda: point().replace(seed=wrong), "seed = ", WHOLE)
         refused(lambda: cocarry.sweep(STUDY, threads=wrong), "threads = ", "at least 1")
+        refused(lambda: cocarry.sweep(STUDY, seeds=wrong), "seeds = ", "at least 1")
         for key in ("max_steps", "max_episode_steps"):
             refused(lambda key=key: cocarry.environments.OptionsEnv(**{key: wrong}), f"{key} = ", "at least 1")
         refused(lambda: cocarry.environments.OptionsEnv().reset(seed=wrong), "seed = ", WHOLE)
@@ -104,6 +105,32 @@ def test_other_arguments(wrong, tmp_path):
     refused(lambda: cocarry.Preference.of(wrong), "scenario = ", "cocarry.Scenario")
     if wrong is not None:
         refused(lambda: point(belief_samples=wrong), "belief_samples = ", "(n, 2) or (n, 3)")
+
+
+def test_arguments_of_results_and_sweeps(tmp_path):
+    rows = cocarry.sweep(STUDY)
+    for wrong in (2**70, "12", 1.5, None, True, -1, 61):
+        refused(lambda wrong=wrong: cocarry.plot(rows, kind="map", cells=wrong), "cells = ", "a whole number from 2 to 60")
+    refused(lambda: cocarry.sweep(STUDY, seeds=0), "seeds = 0", "at least 1")
+    for wrong in (2**70, "2", 1.5, True, 0):
+        refused(lambda wrong=wrong: cocarry.sweep(STUDY, processes=wrong), "processes = ", "a whole number from 1")
+    for wrong in (5, b"method", [5], float("nan")):
+        refused(lambda wrong=wrong: cocarry.plot(rows, kind=wrong), "kind = ", "one of: means, differences, map")
+        refused(lambda wrong=wrong: cocarry.plot(rows, quantity=wrong), "quantity = ", "a column")
+        refused(lambda wrong=wrong: cocarry.compare(rows, by=wrong), "by = ", "an input")
+        refused(lambda wrong=wrong: cocarry.compare(rows, over=wrong), "over = ", "a list")
+        refused(lambda wrong=wrong: cocarry.compare(rows, quantities=wrong), "quantities = ", "a column")
+        refused(lambda wrong=wrong: cocarry.reproduce(wrong), "claim = ")
+    for wrong in (5, None, "a\0b", [1]):
+        refused(lambda wrong=wrong: cocarry.fit_eta(wrong), "switches = ", "a file")
+        refused(lambda wrong=wrong: cocarry.fit_risk_weight(wrong), "answers = ", "a file")
+        refused(lambda wrong=wrong: cocarry.Picture("<svg/>").save(wrong), "file = ", "a file")
+        refused(lambda wrong=wrong: cocarry.sweep(wrong), "study = ", "a study file, its text or a mapping")
+        if wrong is not None:
+            refused(lambda wrong=wrong: cocarry.sweep(STUDY, out=wrong), "out = ", "a file")
+    for wrong in (1, "yes", None):
+        refused(lambda wrong=wrong: cocarry.sweep(STUDY, out=tmp_path / "a.csv", overwrite=wrong), "overwrite = ", "True or False")
+        refused(lambda wrong=wrong: cocarry.environments.CarryEnv(built_in=wrong), "built_in = ", "True or False")
 
 
 def test_lists_are_numbers_too():
