@@ -1,6 +1,10 @@
 //! A work that is cited, as an entry of BibTeX, of CSL-JSON, or as text.
 
 use serde_json::{Map, Value, json};
+use textwrap::{Options, WordSplitter};
+
+/// Width of the entries as text.
+const TEXT_WIDTH: usize = 80;
 
 /// The kind of a work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -200,7 +204,10 @@ impl Reference<'_> {
             self.address(),
         ];
         let parts: Vec<String> = parts.into_iter().filter(|part| !part.is_empty()).collect();
-        format!("{}:\n  {}\n", sentence(self.used_for), parts.join(", "))
+        // an address stays in one piece
+        let options = Options::new(TEXT_WIDTH).word_splitter(WordSplitter::NoHyphenation).break_words(false);
+        let options = options.initial_indent("  ").subsequent_indent("  ");
+        format!("{}:\n{}\n", sentence(self.used_for), textwrap::fill(&parts.join(", "), options))
     }
 
     fn plain_title(&self) -> String {
