@@ -32,7 +32,7 @@ fn a_closed_pipe_is_no_failure() {
         &["completions", "bash"],
         &["export", "carrier", "-"],
         &["worlds"],
-        &["cite", "recordings/environment-1.mcap"],
+        &["cite", "recordings/environment-1.mcap", "--quiet"],
         &["--help"],
         &["inspect", "recordings/environment-1.mcap", "--json"],
     ] {

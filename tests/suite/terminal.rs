@@ -29,6 +29,7 @@ fn every_output_fits_80_columns() {
         &["run", "--plant", "kinematic"][..],
         &["world", "free-form"],
         &["worlds"],
+        &["cite", "recordings/environment-1.mcap", "--format", "text"],
         &["sweep", &study, "--output", &rows],
         &["reproduce", "h1"],
         &["reproduce", "h2"],

@@ -187,10 +187,10 @@ fn results_are_drawn_at_the_width_of_a_column() {
         let svg = String::from_utf8(drawn(kind, "a.svg")).expect("a picture");
         let number = |text: &str| -> f64 { text.split(['"', ' ', 'i']).next().unwrap().parse().unwrap() };
         let attribute = |name: &str| svg.split(&format!("{name}=\"")).skip(1).map(number).collect::<Vec<_>>();
-        assert_eq!(attribute("svg width")[0], 3.5, "{kind}");
+        assert!(svg.contains(" width=\"3.500in\""), "{kind}");
         let layout: f64 = svg.split_once("viewBox=\"0 0 ").map(|(_, rest)| number(rest)).unwrap();
         let sizes = attribute("font-size");
-        assert!(sizes.len() > 20);
+        assert!(sizes.len() > 10);
         for size in sizes {
             assert!(size * 3.5 * 72.0 / layout >= 7.0, "{kind}: {size} of {layout}");
         }

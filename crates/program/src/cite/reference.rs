@@ -284,8 +284,8 @@ mod tests {
         );
         assert_eq!(
             ARTICLE.text(),
-            "What it is for:\n  J. J. Júdice, A group: Clarabel: a title, Computers & Operations Research, 66(3), 497-527, 1998, \
-             https://doi.org/10.1/2_3\n"
+            "What it is for:\n  J. J. Júdice, A group: Clarabel: a title, Computers & Operations Research,\n\
+             \u{20} 66(3), 497-527, 1998, https://doi.org/10.1/2_3\n"
         );
     }
 
