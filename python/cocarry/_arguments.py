@@ -13,7 +13,8 @@ MAX_WHOLE = 2**64 - 1
 
 def whole(name: str, given: Any, low: int, high: int = MAX_WHOLE, error: type[Error] = Error) -> int:
     """A whole number from ``low`` to ``high``."""
-    if isinstance(given, bool) or not hasattr(given, "__index__") or getattr(given, "ndim", 0) or not low <= given.__index__() <= high:
+    is_whole = hasattr(given, "__index__") and not isinstance(given, bool) and getattr(given, "ndim", None) in (None, 0)
+    if not is_whole or not low <= given.__index__() <= high:
         expected = f"of at least {low}" if high == MAX_WHOLE and low else f"from {low} to {high}"
         raise error(f"{name} = {given!r}; it must be a whole number {expected}")
     return int(given)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -34,7 +35,9 @@ _OUTCOMES = (
 
 
 def _missing(column: NDArray[Any]) -> NDArray[np.bool_]:
-    found: NDArray[np.bool_] = np.isnan(column) if column.dtype.kind == "f" else np.equal(column, None)
+    if column.dtype.kind == "O":
+        return np.array([value is None for value in column], dtype=np.bool_)
+    found: NDArray[np.bool_] = np.isnan(column)
     return found
 
 
@@ -87,13 +90,16 @@ def text(table: Table) -> str:
 
 
 def _cell(value: Any) -> str:
-    if value is None or (isinstance(value, (float, np.floating)) and np.isnan(value)):
+    if value is None:
         return ""
-    if isinstance(value, (float, np.floating)):
-        # six digits tell rows apart, two a p-value; all of them are in the column
-        small, large = 0 < abs(value) < 1e-4, 1e5 <= abs(value) < 1e15
-        return f"{value:.1e}" if small else f"{value:.0f}" if large else f"{value:.6g}"
-    return str(value)
+    if not isinstance(value, (float, np.floating)):
+        return str(value)
+    number = float(value)
+    if math.isnan(number):
+        return ""
+    # six digits tell rows apart, two a p-value; all of them are in the column
+    small, large = 0 < abs(number) < 1e-4, 1e5 <= abs(number) < 1e15
+    return f"{number:.1e}" if small else f"{number:.0f}" if large else f"{number:.6g}"
 
 
 def page(table: Table) -> str:
