@@ -82,7 +82,6 @@ pub const FIGURES: &[Figure] = &[
     ("arrivals.hand", |t| span(t, "hand_force_rms", 0)),
     ("arrivals.peak", |t| format!("{:.0} N", most(&paper(t), "peak_force_N"))),
     ("arrivals.noise", |t| span(t, "force_noise", 2)),
-    ("arrivals.effort", |t| format!("{:.1}", most(&paper(t), "largest_effort_share"))),
     ("arrivals.led", |t| arrived(&t.rows("arrivals", &[("method", "human-led")]))),
     ("arrivals.changing", |t| arrived(&changing(t))),
     ("arrivals.grip-of-others", |t| {
