@@ -2,7 +2,7 @@
 
 use super::View;
 use crate::episode::{ControlSummary, GRASP_WARNING_RMS_M, HumanSummary};
-use crate::robot::{JointVector, Motion, Robot};
+use crate::robot::{JointVector, Robot};
 use std::fmt::Write;
 
 impl View<'_> {
@@ -98,7 +98,7 @@ impl View<'_> {
 fn at_limit(robot: &Robot, times: &JointVector) -> String {
     let of_joints = robot.joints.iter().zip(times.iter()).filter(|(_, time)| **time > 0.0);
     let of_joints = of_joints.map(|(joint, time)| {
-        let unit = if joint.motion == Motion::Revolute { "Nm" } else { "N" };
+        let unit = joint.motion.effort_unit();
         format!("`{}` for {time:.2} s at {:.1} {unit}", joint.name, joint.effort_limit)
     });
     let of_joints: Vec<String> = of_joints.collect();

@@ -156,6 +156,16 @@ pub enum Motion {
     Prismatic,
 }
 
+impl Motion {
+    /// The unit of an effort.
+    pub fn effort_unit(self) -> &'static str {
+        match self {
+            Self::Revolute => "Nm",
+            Self::Prismatic => "N",
+        }
+    }
+}
+
 /// A named posture of the arm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Posture {

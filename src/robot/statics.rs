@@ -1,7 +1,7 @@
 //! What an arm at rest can hold: the efforts J^T F of its motors under a load at the grasp. The arm's own weight is
 //! taken as compensated, as on the physical plant.
 
-use super::{JointVector, Motion, Robot};
+use super::{JointVector, Robot};
 use nalgebra::Vector6;
 
 /// Gravity, m/s^2.
@@ -35,7 +35,7 @@ impl Robot {
         let of_joints = self.joints.iter().zip(per_kilogram.iter()).map(|(joint, effort)| WeakestJoint {
             name: &joint.name,
             limit: joint.effort_limit,
-            unit: if joint.motion == Motion::Revolute { "Nm" } else { "N" },
+            unit: joint.motion.effort_unit(),
             payload: joint.effort_limit / effort.abs(),
         });
         of_joints.filter(|joint| joint.payload.is_finite()).min_by(|a, b| a.payload.total_cmp(&b.payload))

@@ -238,7 +238,7 @@ fn as_text(robot: &Robot) -> String {
             false => "free".to_owned(),
         };
         let effort = match joint.effort_limit.is_finite() {
-            true => format!("{:.1} {}", joint.effort_limit, if is_turn { "Nm" } else { "N" }),
+            true => format!("{:.1} {}", joint.effort_limit, joint.motion.effort_unit()),
             false => "none given".to_owned(),
         };
         let rate = match is_turn {
