@@ -2,9 +2,10 @@
 
 use super::Width;
 use cocarry::Error;
+use pdf_writer::types::{LineCapStyle, LineJoinStyle};
+use pdf_writer::{Content, Pdf, Rect, Ref};
 use resvg::tiny_skia::{LineCap, LineJoin, PathSegment, Transform};
 use resvg::usvg::{Color, FillRule, Group, Node, Options, Paint, Path, Tree};
-use std::fmt::Write;
 
 /// A picture whose letters are outlines as a PDF file of this width. Equal pictures give equal bytes.
 ///
@@ -12,37 +13,27 @@ use std::fmt::Write;
 /// The picture has something other than paths with plain, opaque colours.
 pub fn pdf(svg: &str, width: Width) -> Result<Vec<u8>, Error> {
     let tree = Tree::from_str(svg, &Options::default()).map_err(|error| refused(&error.to_string()))?;
-    let (breadth, height) = (f64::from(tree.size().width()), f64::from(tree.size().height()));
-    let scale = width.points() / breadth;
+    let scale = width.points() as f32 / tree.size().width();
+    let height = scale * tree.size().height();
+    let mut content = Content::new();
     // the y axis of a page points upward
-    let mut content = format!("{0} 0 0 -{0} 0 {1} cm\n", short(scale), short(scale * height));
+    content.transform([scale, 0.0, 0.0, -scale, 0.0, height]);
     draw(tree.root(), &mut content)?;
-    let page = format!("[0 0 {} {}]", short(scale * breadth), short(scale * height));
-    let objects = [
-        "<< /Type /Catalog /Pages 2 0 R >>".to_owned(),
-        "<< /Type /Pages /Kids [3 0 R] /Count 1 >>".to_owned(),
-        format!("<< /Type /Page /Parent 2 0 R /MediaBox {page} /Resources << >> /Contents 4 0 R >>"),
-        format!("<< /Length {} >>\nstream\n{content}endstream", content.len()),
-    ];
-    let mut file = String::from("%PDF-1.4\n");
-    let mut places = String::new();
-    for (number, object) in (1..).zip(&objects) {
-        let _ = writeln!(places, "{:010} 00000 n ", file.len());
-        let _ = write!(file, "{number} 0 obj\n{object}\nendobj\n");
-    }
-    let (count, begin) = (objects.len() + 1, file.len());
-    let _ = write!(
-        file,
-        "xref\n0 {count}\n0000000000 65535 f \n{places}trailer\n<< /Size {count} /Root 1 0 R >>\nstartxref\n{begin}\n%%EOF\n"
-    );
-    Ok(file.into_bytes())
+    let mut file = Pdf::new();
+    let [catalog, pages, page, drawing] = [1, 2, 3, 4].map(Ref::new);
+    file.catalog(catalog).pages(pages);
+    file.pages(pages).kids([page]).count(1);
+    let media = Rect::new(0.0, 0.0, width.points() as f32, height);
+    file.page(page).parent(pages).media_box(media).contents(drawing).resources();
+    file.stream(drawing, &content.finish());
+    Ok(file.finish())
 }
 
 fn refused(what: &str) -> Error {
     Error::new(format!("the picture cannot be written as PDF: {what}"))
 }
 
-fn draw(group: &Group, content: &mut String) -> Result<(), Error> {
+fn draw(group: &Group, content: &mut Content) -> Result<(), Error> {
     if group.should_isolate() {
         return Err(refused("it has a group that is transparent, cut or filtered"));
     }
@@ -57,51 +48,52 @@ fn draw(group: &Group, content: &mut String) -> Result<(), Error> {
     Ok(())
 }
 
-fn draw_path(path: &Path, content: &mut String) -> Result<(), Error> {
+fn draw_path(path: &Path, content: &mut Content) -> Result<(), Error> {
     let Transform { sx, kx, ky, sy, tx, ty } = path.abs_transform();
-    *content += "q ";
-    operator(content, &[sx, ky, kx, sy, tx, ty], "cm");
+    content.save_state().transform([sx, ky, kx, sy, tx, ty]);
     if let Some(fill) = path.fill() {
         let [red, green, blue] = plain(fill.paint(), fill.opacity().get())?;
-        operator(content, &[red, green, blue], "rg");
+        content.set_fill_rgb(red, green, blue);
     }
     if let Some(stroke) = path.stroke() {
         let [red, green, blue] = plain(stroke.paint(), stroke.opacity().get())?;
-        operator(content, &[red, green, blue], "RG");
-        operator(content, &[stroke.width().get()], "w");
-        operator(content, &[stroke.miterlimit().get()], "M");
         let line = stroke.to_tiny_skia();
-        let cap = match line.line_cap {
-            LineCap::Butt => 0,
-            LineCap::Round => 1,
-            LineCap::Square => 2,
-        };
-        let join = match line.line_join {
-            LineJoin::Round => 1,
-            LineJoin::Bevel => 2,
-            LineJoin::Miter | LineJoin::MiterClip => 0,
-        };
-        let _ = write!(content, "{cap} J {join} j ");
+        content.set_stroke_rgb(red, green, blue).set_line_width(line.width).set_miter_limit(line.miter_limit);
+        content.set_line_cap(match line.line_cap {
+            LineCap::Butt => LineCapStyle::ButtCap,
+            LineCap::Round => LineCapStyle::RoundCap,
+            LineCap::Square => LineCapStyle::ProjectingSquareCap,
+        });
+        content.set_line_join(match line.line_join {
+            LineJoin::Round => LineJoinStyle::RoundJoin,
+            LineJoin::Bevel => LineJoinStyle::BevelJoin,
+            LineJoin::Miter | LineJoin::MiterClip => LineJoinStyle::MiterJoin,
+        });
         if let Some(dashes) = stroke.dasharray() {
-            let dashes: Vec<String> = dashes.iter().map(|length| short(f64::from(*length))).collect();
-            let _ = write!(content, "[{}] {} d ", dashes.join(" "), short(f64::from(stroke.dashoffset())));
+            content.set_dash_pattern(dashes.iter().copied(), stroke.dashoffset());
         }
     }
     let mut last = [0.0; 2];
     for segment in path.data().segments() {
         match segment {
-            PathSegment::MoveTo(to) => operator(content, &[to.x, to.y], "m"),
-            PathSegment::LineTo(to) => operator(content, &[to.x, to.y], "l"),
+            PathSegment::MoveTo(to) => content.move_to(to.x, to.y),
+            PathSegment::LineTo(to) => content.line_to(to.x, to.y),
             PathSegment::QuadTo(by, to) => {
                 // a cubic curve whose control points are at two thirds of the way
                 let third = |from: f32, by: f32| from + 2.0 / 3.0 * (by - from);
-                let points =
-                    [third(last[0], by.x), third(last[1], by.y), third(to.x, by.x), third(to.y, by.y)];
-                operator(content, &[&points[..], &[to.x, to.y]].concat(), "c");
+                let [from_x, from_y] = last;
+                content.cubic_to(
+                    third(from_x, by.x),
+                    third(from_y, by.y),
+                    third(to.x, by.x),
+                    third(to.y, by.y),
+                    to.x,
+                    to.y,
+                )
             }
-            PathSegment::CubicTo(a, b, to) => operator(content, &[a.x, a.y, b.x, b.y, to.x, to.y], "c"),
-            PathSegment::Close => operator(content, &[], "h"),
-        }
+            PathSegment::CubicTo(a, b, to) => content.cubic_to(a.x, a.y, b.x, b.y, to.x, to.y),
+            PathSegment::Close => content.close_path(),
+        };
         if let PathSegment::MoveTo(to)
         | PathSegment::LineTo(to)
         | PathSegment::QuadTo(_, to)
@@ -111,15 +103,15 @@ fn draw_path(path: &Path, content: &mut String) -> Result<(), Error> {
         }
     }
     let even_odd = path.fill().is_some_and(|fill| fill.rule() == FillRule::EvenOdd);
-    *content += match (path.fill().is_some(), path.stroke().is_some(), even_odd) {
-        (true, true, false) => "B",
-        (true, true, true) => "B*",
-        (true, false, false) => "f",
-        (true, false, true) => "f*",
-        (false, true, _) => "S",
-        (false, false, _) => "n",
+    match (path.fill().is_some(), path.stroke().is_some(), even_odd) {
+        (true, true, false) => content.fill_nonzero_and_stroke(),
+        (true, true, true) => content.fill_even_odd_and_stroke(),
+        (true, false, false) => content.fill_nonzero(),
+        (true, false, true) => content.fill_even_odd(),
+        (false, true, _) => content.stroke(),
+        (false, false, _) => content.end_path(),
     };
-    *content += " Q\n";
+    content.restore_state();
     Ok(())
 }
 
@@ -133,23 +125,6 @@ fn plain(paint: &Paint, opacity: f32) -> Result<[f32; 3], Error> {
     }
 }
 
-/// An operator of a page after its numbers.
-fn operator(content: &mut String, numbers: &[f32], name: &str) {
-    for number in numbers {
-        *content += &short(f64::from(*number));
-        content.push(' ');
-    }
-    *content += name;
-    content.push(' ');
-}
-
-/// A number with at most four decimals; PDF has no exponents.
-fn short(number: f64) -> String {
-    let text = format!("{number:.4}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".to_owned() } else { text.to_owned() }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -160,22 +135,16 @@ mod tests {
     #[test]
     fn closed_form_a_page_has_the_size_and_the_paths_of_the_picture() {
         let svg = format!("{HEAD}<path fill=\"#ff0000\" d=\"M0 0H100V50Z\"/></svg>");
-        let file = String::from_utf8(pdf(&svg, Width::Inches(3.5)).unwrap()).unwrap();
-        assert!(file.contains("/MediaBox [0 0 252 126]"), "{file}");
+        let file = pdf(&svg, Width::Inches(3.5)).unwrap();
+        let words = String::from_utf8_lossy(&file).split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(words.contains("/MediaBox [0 0 252 126]"), "{words}");
         // 192 px are 252 pt
         assert!(
-            file.contains(
-                "1.3125 0 0 -1.3125 0 126 cm\nq 0.96 0 0 0.96 0 0 cm 1 0 0 rg 0 0 m 100 0 l 100 50 l h f Q\n"
+            words.contains(
+                "1.3125 0 0 -1.3125 0 126 cm q 0.96 0 0 0.96 0 0 cm 1 0 0 rg 0 0 m 100 0 l 100 50 l h f Q"
             ),
-            "{file}"
+            "{words}"
         );
-        let begin = file.find("\nxref\n").unwrap() + 1;
-        assert!(file.ends_with(&format!("startxref\n{begin}\n%%EOF\n")));
-        for number in 1..=4 {
-            let entry = file[begin..].lines().nth(2 + number).unwrap();
-            let place: usize = entry[..10].parse().unwrap();
-            assert!(file[place..].starts_with(&format!("{number} 0 obj\n")), "{entry}");
-        }
     }
 
     #[test]
