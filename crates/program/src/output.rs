@@ -120,7 +120,7 @@ impl OverwriteArguments {
         for file in files {
             outputs.check(file).map_err(unwritten)?;
             // a recording begins before the work
-            if file.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("mcap")) {
+            if !has_extension(file, "mcap") {
                 Outputs::check_folder(file).map_err(unwritten)?;
             }
             if names.contains(&file) {
@@ -277,6 +277,11 @@ pub(super) fn xml_file(name: &str) -> Result<PathBuf, String> {
     file_with_extension("xml", name)
 }
 
+/// A parser of the name of a page.
+pub(super) fn html_file(name: &str) -> Result<PathBuf, String> {
+    file_with_extension("html", name)
+}
+
 /// A parser of the name of a TOML file.
 pub(super) fn toml_file(name: &str) -> Result<PathBuf, String> {
     file_with_extension("toml", name)
@@ -294,11 +299,15 @@ pub(super) fn mcap_file(name: &str) -> Result<PathBuf, String> {
 
 fn file_with_extension(extension: &str, name: &str) -> Result<PathBuf, String> {
     let file = PathBuf::from(name);
-    let found = file.extension().and_then(|found| found.to_str()).unwrap_or_default();
-    match found.eq_ignore_ascii_case(extension) {
+    match has_extension(&file, extension) {
         true => Ok(file),
         false => Err(format!("expected the extension .{extension}")),
     }
+}
+
+/// Whether a file's name has this extension, in any case of letters.
+pub(super) fn has_extension(file: &Path, extension: &str) -> bool {
+    file.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
 }
 
 /// A progress bar. It appears after two seconds of work, and only if standard error is a terminal.

@@ -1,6 +1,6 @@
 //! `cocarry plot`: pictures of a study's results.
 
-use super::output::{Failure, OverwriteArguments, examples, input, note, print, write_file};
+use super::output::{Failure, OverwriteArguments, examples, has_extension, input, note, print, write_file};
 use super::render::picture_width;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
@@ -83,10 +83,6 @@ impl PictureFormat {
             (Self::Pdf | Self::Png, width) => width.unwrap_or(PRINTED).sheet(Letters::Outlines),
         }
     }
-}
-
-fn has_extension(file: &Path, extension: &str) -> bool {
-    file.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
 }
 
 /// A parser of the name of a picture.

@@ -1,7 +1,8 @@
 //! `cocarry replay`: runs the scenario of a recording, or of a log from the page, again, and compares.
 
 use super::output::{
-    Failure, OverwriteArguments, counted, examples, input, mcap_file, print_json, print_verdict,
+    Failure, OverwriteArguments, counted, examples, has_extension, input, mcap_file, print_json,
+    print_verdict,
 };
 use super::replay_log::run_log;
 use anyhow::anyhow;
@@ -33,7 +34,7 @@ pub(super) struct ReplayArguments {
 }
 
 pub(super) fn run_replay(arguments: &ReplayArguments) -> Result<ExitCode, Failure> {
-    if arguments.file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
+    if has_extension(&arguments.file, "json") {
         return run_log(arguments);
     }
     if arguments.record.is_some() {

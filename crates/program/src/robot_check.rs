@@ -2,8 +2,8 @@
 
 use super::file_kind::{self, FileKind};
 use super::output::{
-    Failure, OverwriteArguments, examples, input, print, print_error, print_json, table, table_text,
-    write_file,
+    Failure, OverwriteArguments, examples, html_file, input, print, print_error, print_json, table,
+    table_text, write_file,
 };
 use super::robot::check_is_file;
 use super::xacro::XacroArguments;
@@ -35,19 +35,12 @@ pub(super) struct CheckArguments {
     #[arg(long)]
     json: bool,
     /// Write a page (.html) that shows the robot in its postures, as drawn and as it collides
-    #[arg(long, value_name = "FILE", value_parser = page)]
+    #[arg(long, value_name = "FILE", value_parser = html_file)]
     render: Option<PathBuf>,
     #[command(flatten)]
     xacro: XacroArguments,
     #[command(flatten)]
     overwrite: OverwriteArguments,
-}
-
-/// The name of a page.
-fn page(name: &str) -> Result<PathBuf, String> {
-    let file = PathBuf::from(name);
-    let is_page = file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("html"));
-    is_page.then_some(file).ok_or_else(|| "expected the extension .html".to_owned())
 }
 
 pub(super) fn run_robot_check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {

@@ -1,6 +1,8 @@
 //! `cocarry robot init`: drafts a robot file from a URDF.
 
-use super::output::{Failure, OverwriteArguments, counted, examples, input, print, write_file};
+use super::output::{
+    Failure, OverwriteArguments, counted, examples, has_extension, input, print, toml_file, write_file,
+};
 use super::xacro::XacroArguments;
 use clap::{Args, ValueEnum};
 use cocarry::robot::{Draft, DraftRequest, DriveKind};
@@ -89,14 +91,6 @@ impl From<Drive> for DriveKind {
     }
 }
 
-fn toml_file(name: &str) -> Result<PathBuf, String> {
-    let file = PathBuf::from(name);
-    match file.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
-        true => Ok(file),
-        false => Err("expected the extension .toml".to_owned()),
-    }
-}
-
 /// A number in a range, or what it must be.
 fn within(text: &str, is_good: impl Fn(f64) -> bool, expected: &str) -> Result<f64, String> {
     let value = text.trim().parse::<f64>().ok().filter(|&value| is_good(value));
@@ -131,7 +125,7 @@ fn hold(text: &str) -> Result<(String, f64), String> {
 
 pub(super) fn run_robot_init(arguments: &InitArguments) -> Result<ExitCode, Failure> {
     let InitArguments { urdf, output, drive, left_wheel, right_wheel, xacro, overwrite, .. } = arguments;
-    let next_to_urdf = || match urdf.extension().is_some_and(|e| e.eq_ignore_ascii_case("xacro")) {
+    let next_to_urdf = || match has_extension(urdf, "xacro") {
         true => urdf.with_extension("").with_extension("toml"),
         false => urdf.with_extension("toml"),
     };

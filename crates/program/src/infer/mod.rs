@@ -5,7 +5,8 @@ mod text;
 use super::fit::worlds::{inputs, load, note_similar};
 use super::model::ModelArguments;
 use super::output::{
-    Failure, OverwriteArguments, csv_file, examples, input, print, print_json, table_with_notes, write_file,
+    Failure, OverwriteArguments, csv_file, examples, has_extension, input, print, print_json,
+    table_with_notes, write_file,
 };
 use super::reproduce::Common;
 use super::settings::number;
@@ -200,7 +201,7 @@ fn json_of_means(
 fn read(arguments: &InferArguments) -> Result<Read, Failure> {
     let mut read = Read { walks: Vec::new(), answers: None, switches: None, inputs: Vec::new() };
     for file in &arguments.files {
-        if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mcap")) {
+        if has_extension(file, "mcap") {
             read.walks.push(walk(arguments, file)?);
             read.inputs.push(file.clone());
             continue;
