@@ -44,8 +44,6 @@ use scene::Scene;
 const DROPPED_HEIGHT_M: f64 = 0.2;
 /// Speed (m/s or rad/s) beyond which a body counts as diverging.
 const DIVERGING_SPEED: f64 = 1000.0;
-/// A motor's share of its effort limit in the last step beyond which it may exceed it in the next.
-const COPY_SHARE: f64 = 0.4;
 /// How often a step is made again at most until all motors keep their limits.
 const LIMIT_ROUNDS: usize = 16;
 /// Solver iterations of a step that is made again, as a multiple of the usual ones.
@@ -204,12 +202,9 @@ impl PhysicalPlant {
     /// Steps the world such that the arm's motors keep their limits: where one exceeds its own, the step is made
     /// again with this effort. `None` if the result is not sound.
     fn step_within_limits(&mut self) -> Option<()> {
-        // most steps are far from all limits, and a copy takes time; the first one loads the arm
-        let is_near = self.steps == 0 || self.robot.effort_shares(&self.world).max() > COPY_SHARE;
-        let before = is_near.then(|| copy_of(&self.world));
+        let mut before = copy_of(&self.world);
         self.world.step();
         self.check()?;
-        let Some(mut before) = before else { return Some(()) };
         let iterations = before.integration_parameters.num_internal_pgs_iterations;
         // a joint at its limit gives way, and forces take longer to settle
         before.integration_parameters.num_internal_pgs_iterations = LIMITED_ITERATIONS * iterations;
@@ -217,7 +212,10 @@ impl PhysicalPlant {
             if !self.robot.limit(&mut before, &self.world)? {
                 break;
             }
-            self.world = copy_of(&before);
+            let mut again = copy_of(&before);
+            // its workspaces are as large as they have to be
+            std::mem::swap(&mut again.physics_pipeline, &mut self.world.physics_pipeline);
+            self.world = again;
             self.world.step();
             self.check()?;
         }

@@ -22,7 +22,7 @@ pub struct Observation {
     /// Efforts of the joints' motors in the last step, Nm or N.
     pub joint_efforts: JointVector,
     /// Largest motor effort in a physics step since the observation was begun, as a share of the URDF's
-    /// effort limit; 0 without such limits. Motors keep their limits, except in the step of a blow.
+    /// effort limit; 0 without such limits. Motors keep their limits within 0.1 %.
     pub effort_share: f64,
     /// How long each joint's motor was at its limit since the observation was begun, s.
     #[serde(default)]
