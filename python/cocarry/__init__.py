@@ -38,7 +38,6 @@ from cocarry._cocarry import (
     read,
     settings,
 )
-from cocarry import _display as _display  # tables show themselves by it
 from cocarry._compare import Picture, compare, plot, summary
 from cocarry._palette import option_colour
 from cocarry._partners import Decision, Human, HumanDecision, Policy

@@ -576,6 +576,9 @@ def quantities(of: str) -> dict[str, tuple[str, str]]:
 def gumbel(seed: int, options: int) -> _Floats:
     """The Gumbel disturbances that the Boltzmann human of a seed draws, one for every option."""
 
+def option_colours() -> list[str]:
+    """The colours of options in pictures, as ``#rrggbb``; they repeat after the last."""
+
 def read(file: _Path) -> Recording:
     """Opens a recording (MCAP). Raises RecordingError with the file, the place and what would be right."""
 

@@ -127,8 +127,3 @@ def page(table: Table) -> str:
     if len(shown.names) < len(table.columns):
         notes.append(f"{len(shown.names)} of {len(table.columns)} columns, <code>table.columns</code> lists all")
     return "".join(parts) + (f"<p>{'; '.join(notes)}</p>" if notes else "")
-
-
-# the native class shows itself by these
-setattr(Table, "_repr_html_", page)
-setattr(Table, "__repr__", text)

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from cocarry import _arguments
+from cocarry import _arguments, _cocarry
 
-# crates/output/src/palette.rs has them; a test compares the two
-_OPTIONS = ("#0072b2", "#e69f00", "#882255", "#009e73", "#56b4e9", "#d55e00", "#cc79a7", "#111111")
+_OPTIONS = _cocarry.option_colours()
 
 
 def option_colour(index: int) -> str:

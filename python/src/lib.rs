@@ -18,6 +18,7 @@ mod value;
 mod world;
 
 use cocarry::quantities::{EPISODE, Kind, OPTION, Quantity, TICK};
+use cocarry_output::palette;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyDictMethods};
@@ -35,6 +36,12 @@ fn gumbel(
         return Err(error::Error::new_err(format!("options = {options}; it must be at most 1000000")));
     }
     Ok(PyArray1::from_vec(py, cocarry::human::disturbances(seed, options)))
+}
+
+/// The colours of options in pictures, as ``#rrggbb``; they repeat after the last.
+#[pyfunction]
+fn option_colours() -> Vec<String> {
+    (0..palette::option_colours()).map(|option| palette::hex(palette::option_colour(option))).collect()
 }
 
 /// The vocabulary of a table of quantities: key, unit and description.
@@ -110,6 +117,7 @@ fn _cocarry(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(recording::player, module)?)?;
     module.add_function(wrap_pyfunction!(recording::picture, module)?)?;
     module.add_function(wrap_pyfunction!(gumbel, module)?)?;
+    module.add_function(wrap_pyfunction!(option_colours, module)?)?;
     module.add_function(wrap_pyfunction!(quantities, module)?)?;
     module.add_function(wrap_pyfunction!(program, module)?)?;
     Ok(())

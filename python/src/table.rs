@@ -18,9 +18,6 @@ use serde_json::Value as Json;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
-/// Rows shown in a notebook.
-const SHOWN: usize = 20;
-
 /// A table of rows. Opens without copies wherever Arrow data do: ``polars.DataFrame(table)``,
 /// ``pyarrow.table(table)``, ``pandas.DataFrame.from_arrow(table)`` (pandas 3). Shows its first rows in a
 /// notebook.
@@ -317,37 +314,18 @@ impl Table {
         other.cast::<Self>().is_ok_and(|other| other.get().batch == self.batch)
     }
 
-    fn __repr__(&self) -> String {
-        format!("<cocarry.Table, {} rows, {} columns>", self.batch.num_rows(), self.batch.num_columns())
+    fn __repr__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        shown(slf, "text")
     }
 
-    fn _repr_html_(&self) -> String {
-        let escape = |text: &str| text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
-        let filled = |array: &&ArrayRef| array.null_count() < array.len() || array.is_empty();
-        let schema = self.batch.schema();
-        let shown: Vec<(&String, &ArrayRef)> = schema
-            .fields()
-            .iter()
-            .map(|f| f.name())
-            .zip(self.batch.columns())
-            .filter(|(_, array)| filled(array))
-            .collect();
-        let mut html = "<table><thead><tr>".to_owned();
-        shown.iter().for_each(|(name, _)| html += &format!("<th>{}</th>", escape(name)));
-        html += "</tr></thead><tbody>";
-        for row in 0..self.batch.num_rows().min(SHOWN) {
-            html += "<tr>";
-            shown
-                .iter()
-                .for_each(|(_, array)| html += &format!("<td>{}</td>", escape(&Self::cell(array, row))));
-            html += "</tr>";
-        }
-        html += "</tbody></table>";
-        match self.batch.num_rows() {
-            rows if rows > SHOWN => html + &format!("<p>{SHOWN} of {rows} rows</p>"),
-            _ => html,
-        }
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        shown(slf, "page")
     }
+}
+
+/// How terminals (`text`) and notebooks (`page`) show a table: the Python part knows it.
+fn shown<'py>(table: &Bound<'py, Table>, how: &str) -> PyResult<Bound<'py, PyAny>> {
+    table.py().import("cocarry._display")?.call_method1(how, (table,))
 }
 
 fn object_array<'py>(py: Python<'py>, values: Bound<'py, PyList>) -> PyResult<Bound<'py, PyAny>> {
