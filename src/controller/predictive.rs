@@ -22,6 +22,16 @@ use nalgebra::Vector6;
 /// stays within the range of eq. (7)'s linear model, and rates are left for the grasp.
 const RECONFIGURATION_SHARE: f64 = 0.25;
 
+/// The largest price of a guided omnidirectional base's deviations whose arm alone does not move its grasp freely in
+/// the plane.
+///
+/// DEVIATION (eq. 7): of a base that only follows the path, such an arm is a decimetre off in bends; with this price,
+/// eq. (7) lets the base help.
+const HELPING_PRICE: f64 = 100.0;
+
+/// Weight of the squared deviation (m/s) of a free base's inputs from those that follow a grasp to its side.
+const BESIDE_PRICE: f64 = 10.0;
+
 /// Largest correction (m and rad) of the linear model of eq. (7).
 const MAX_CORRECTION: f64 = 0.01;
 
@@ -35,6 +45,8 @@ pub struct Predictive<'a> {
     references: References,
     /// How the base follows the path of the grasp; none where it is free.
     guide: Option<Guide>,
+    /// How a free base follows a grasp that it holds to its side.
+    lateral: Option<Guide>,
     /// The solver of eq. (8).
     poses: PoseOptimiser,
     /// The constraints of eq. (7), set anew for every solution.
@@ -55,12 +67,17 @@ struct Tracked {
 impl<'a> Predictive<'a> {
     /// The controller of a team at the start of a world with this number of options. With a `guide`, the base
     /// follows the path of the grasp.
-    pub fn new(manipulator: Manipulator<'a>, pace: Pace, options: usize, guide: Option<Guide>) -> Self {
+    pub fn new(mut manipulator: Manipulator<'a>, pace: Pace, options: usize, guide: Option<Guide>) -> Self {
+        let Manipulator { robot, posture, control, .. } = &mut manipulator;
+        if robot.drive.is_omnidirectional() && !robot.is_arm_free_in_plane(posture) {
+            control.guide_price = control.guide_price.min(HELPING_PRICE);
+        }
         let concentration = manipulator.control.direction_concentration;
         Self {
             manipulator,
             period: pace.period,
             references: References::new(concentration, pace, options),
+            lateral: if guide.is_none() { Guide::of_lateral(&manipulator) } else { None },
             guide,
             poses: PoseOptimiser::default(),
             limits: Limits::new(manipulator.robot),
@@ -122,6 +139,29 @@ impl<'a> Predictive<'a> {
         there
     }
 
+    /// Inputs that a free base prefers, and the prices of others; none where it prefers none.
+    fn preferred(&self, target: &Configuration, grasp: &Pose) -> Option<(BaseInputs, BaseInput)> {
+        let lateral =
+            self.following_beside(target, grasp).map(|inputs| (inputs, BaseInput::repeat(BESIDE_PRICE)));
+        let turning = || self.turning_free_base(target, grasp);
+        lateral.or_else(|| turning().map(|inputs| (inputs, BaseInput::new(0.0, 0.0, TURN_PRICE))))
+    }
+
+    /// Inputs with which a free base follows a grasp that it holds to its side.
+    ///
+    /// DEVIATION (eq. 7): with the weights of eq. (7) alone, such a base turns all the time, since turning moves
+    /// its grasp ahead, until its arm has come to its limits.
+    fn following_beside(&self, target: &Configuration, grasp: &Pose) -> Option<BaseInputs> {
+        let guide = self.lateral.as_ref()?;
+        let (robot, reference) = (self.manipulator.robot, self.references.to_track());
+        let at = PlanarPose::from_above(grasp);
+        let poses = std::array::from_fn(|t| PlanarPose {
+            position: at.position + reference.fixed_view::<2, 1>(0, t),
+            yaw: at.yaw + reference[(5, t)],
+        });
+        Some(guide.following_at_once(&target.base, (&at, &poses), &robot.drive, self.period))
+    }
+
     /// Inputs that turn a free omnidirectional base toward its grasp, unless it is a disc.
     fn turning_free_base(&self, target: &Configuration, grasp: &Pose) -> Option<BaseInputs> {
         let robot = self.manipulator.robot;
@@ -146,14 +186,14 @@ impl<'a> Predictive<'a> {
         let Manipulator { robot, control, obstacles, .. } = self.manipulator;
         let period = self.period;
         let Candidate { configuration: target, rates, jacobian } = *from;
-        let turning = if base.is_none() { self.turning_free_base(&target, grasp) } else { None };
+        let preferred = if base.is_none() { self.preferred(&target, grasp) } else { None };
         let closed_form = |jacobian: &InputJacobian| {
             let b = jacobian * period;
             let weights = [control.state_weight, control.input_weight];
             let guided = |base, prices| ClosedForm::guided(&b, weights, &robot.drive, base, prices);
-            match (base, &turning) {
+            match (base, &preferred) {
                 (Some(base), _) => guided(base, &BaseInput::repeat(control.guide_price)),
-                (None, Some(turning)) => guided(turning, &BaseInput::new(0.0, 0.0, TURN_PRICE)),
+                (None, Some((inputs, prices))) => guided(inputs, prices),
                 (None, None) => ClosedForm::new(&b, weights[0], weights[1]),
             }
         };

@@ -5,6 +5,17 @@ use crate::episode::{ControlSummary, GRASP_WARNING_RMS_M, HumanSummary};
 use crate::robot::{JointVector, Robot};
 use std::fmt::Write;
 
+/// The share of a limit from which on it is reached.
+const AT_LIMIT: f64 = 0.98;
+/// A joint nearer to its limit is there, rad or m.
+const AT_END: f64 = 0.01;
+
+/// Names in a sentence, each once.
+fn named(mut names: Vec<&str>) -> String {
+    names.dedup();
+    names.join(", ")
+}
+
 impl View<'_> {
     /// What the episode came to: costs, the human's part, and the robot's, in indented lines.
     pub fn conclusion(&self) -> String {
@@ -75,6 +86,35 @@ impl View<'_> {
         text
     }
 
+    /// The limits that kept the robot from keeping up: of effort in the episode, of speed and reach in its last step.
+    fn cause(&self) -> Option<String> {
+        let (robot, tick) = self.prepared.robot().zip(self.episode.tick().robot)?;
+        let mut causes = Vec::new();
+        let share = self.episode.summary().interaction.map_or(0.0, |interaction| interaction.effort_share);
+        if share >= AT_LIMIT {
+            causes.push(format!("effort: a motor of the arm at {:.0} % of its limit", 100.0 * share));
+        }
+        let limits = robot.input_limits();
+        let is_fast = |i: &usize| tick.input[*i].abs() >= AT_LIMIT * limits[*i];
+        let base = robot.drive.inputs();
+        let fast: Vec<&str> = (0..base + robot.joint_count())
+            .filter(is_fast)
+            .map(|i| if i < base { "the base" } else { &robot.joints[i - base].name })
+            .collect();
+        if !fast.is_empty() {
+            causes.push(format!("speed: {} at the largest rate", named(fast)));
+        }
+        let joints = robot.joints.iter().zip(tick.configuration.joints.iter());
+        let ends: Vec<&str> = joints
+            .filter(|(joint, at)| (joint.upper - **at).min(**at - joint.lower) < AT_END)
+            .map(|(joint, _)| joint.name.as_str())
+            .collect();
+        if !ends.is_empty() {
+            causes.push(format!("reach: {} at the end of the range", named(ends)));
+        }
+        (!causes.is_empty()).then(|| causes.join("; "))
+    }
+
     /// Warnings about the episode: a grasp far from its reference, and a robot that touched itself.
     pub fn warnings(&self) -> Vec<String> {
         let control = self
@@ -82,13 +122,24 @@ impl View<'_> {
             .summary()
             .control
             .map(|control| (control.error_rms(self.episode.summary().steps), control));
+        let cause = self.cause();
         let off = control.filter(|(rms, _)| *rms >= GRASP_WARNING_RMS_M).map(|(rms, control)| {
+            let why = match &cause {
+                Some(cause) => format!("the robot does not keep up ({cause})"),
+                None => "the robot does not keep up, or the hand leaves the path".to_owned(),
+            };
             format!(
-                "the grasp is {:.1} cm (rms), {:.1} cm at most, from its reference on the planned path: the robot does not keep up, \
-                 or the hand leaves the path",
+                "the grasp is {:.1} cm (rms), {:.1} cm at most, from its reference on the planned path: {why}",
                 100.0 * rms,
                 100.0 * control.largest_error
             )
+        });
+        // told once
+        let is_lost = off.is_none() && self.episode.summary().loss.is_some();
+        let off = off.or_else(|| {
+            cause
+                .filter(|_| is_lost)
+                .map(|cause| format!("the robot did not keep up in its last step ({cause})"))
         });
         off.into_iter().chain(self.self_contact()).collect()
     }

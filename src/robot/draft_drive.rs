@@ -334,7 +334,7 @@ impl<'a> Seen<'a> {
         Error::at(
             Place::file(self.file),
             format_args!(
-                "no pair of driven wheels: expected two continuous joints about the base's y axis, one on either side; {seen}; an omnidirectional base needs --drive omnidirectional"
+                "no pair of driven wheels: expected two continuous joints about the base's y axis, one on either side; {seen}; an omnidirectional base needs --drive omnidirectional, and an arm that stands on a base without a URDF --base-size LENGTH,WIDTH,HEIGHT"
             ),
         )
     }

@@ -151,11 +151,12 @@ impl Wheel {
     }
 }
 
-/// A warning: the drive is slower than the team's walking speed.
+/// A warning: the drive is too slow for the team's walking speed, so that the team walks more slowly.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error(
-    "robot `{robot}`: its {what}, but the team walks at {speed} m/s: the robot cannot keep up",
-    what = self.what()
+    "robot `{robot}`: its {what}, with a reserve for bends{beside}: the team walks at {walked:.3} m/s instead of {speed} m/s",
+    what = self.what(),
+    beside = self.beside()
 )]
 pub struct SlowDrive {
     /// Name of the robot.
@@ -164,11 +165,22 @@ pub struct SlowDrive {
     pub limit: f64,
     /// Radius of its wheels, m; 0 for an omnidirectional base.
     pub wheel_radius: f64,
-    /// Walking speed of the team, m/s.
+    /// Distance of the base from the grasp's path, m.
+    pub offset: f64,
+    /// Walking speed of the team if the drive were faster, m/s.
     pub speed: f64,
+    /// Walking speed of the team with this robot, m/s.
+    pub walked: f64,
 }
 
 impl SlowDrive {
+    fn beside(&self) -> String {
+        match self.offset {
+            0.0 => String::new(),
+            offset => format!(", in which the base moves {offset:.2} m beside the grasp's path"),
+        }
+    }
+
     fn what(&self) -> String {
         let Self { limit, wheel_radius, .. } = self;
         if *wheel_radius == 0.0 {

@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 pub(super) const FULL: usize = 6;
 /// The least singular value (m or rad for a unit joint rate) of a direction in which an arm can move its grasp:
 /// calibrated URDFs have axes that are not quite parallel, and that is not a freedom.
-const MIN_FREE: f64 = 0.01;
+pub(super) const MIN_FREE: f64 = 0.01;
 /// The number of random configurations in which the freedom is counted.
 const SAMPLES: usize = 16;
 /// How far the grasp of such an arm may be from its height (m) and from its orientation (rad) in a posture:

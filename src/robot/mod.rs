@@ -30,6 +30,7 @@ mod link;
 mod load;
 mod mesh;
 mod mesh_bounds;
+mod mobility;
 mod plausible;
 mod posture;
 mod postures;
@@ -60,6 +61,7 @@ pub use drive::{BaseInput, BaseTwist, Drive, DriveKind, MAX_BASE_INPUTS, SlowDri
 pub(crate) use factor::{Factor, Lanes};
 pub use kinematics::{Kinematics, pose_difference};
 pub use link::{Coupling, Geometry, Inertial, Joint, JointKind, Limits, Link, Mimic, Shape};
+pub use mobility::PlanarSpeeds;
 pub use reach::Reach;
 pub(crate) use self_contact::SelfContacts;
 pub(crate) use statics::GRAVITY;
@@ -235,14 +237,6 @@ impl Robot {
     /// Width of the base, against which openings are measured, m.
     pub fn width(&self) -> f64 {
         self.base_width
-    }
-
-    /// A warning if the drive is too slow for a team that walks at `speed` (m/s).
-    pub fn slow_drive(&self, speed: f64) -> Option<SlowDrive> {
-        let Drive { rim_speed_limit: limit, wheel_radius, .. } = self.drive;
-        let wheel_radius = if self.drive.is_omnidirectional() { 0.0 } else { wheel_radius };
-        let robot = self.name.clone();
-        (limit < speed).then_some(SlowDrive { robot, limit, wheel_radius, speed })
     }
 
     /// The posture of this name.

@@ -75,6 +75,9 @@ pub(super) fn read(source: Source, spanned: &Spanned<PostureEntry>, robot: &Robo
             )));
         }
     }
+    if let Some(why) = robot.immovable(&closed) {
+        return Err(Error::at(place, format_args!("the robot cannot carry from here. {why}")));
+    }
     Ok(Posture { name: entry.name.clone(), joints: closed })
 }
 

@@ -194,10 +194,10 @@ fn judge(
     if !is_clear || clearance < MIN_CLEARANCE || passes_through_base(robot, &joints, footprint) {
         return None;
     }
-    if robot.self_contact(&joints, poses).is_some() {
+    if robot.self_contact(&joints, poses).is_some() || robot.immovable(&joints).is_some() {
         return None;
     }
-    let room = clearance.min(0.5) * (robot.dexterity(&joints) / DEXTEROUS).min(1.0);
+    let room = clearance.min(0.5) * (robot.dexterity_where_free(&joints) / DEXTEROUS).min(1.0);
     let room = room / (1.0 + grasp.y.abs() / LATERAL_HALF_M);
     Some(Found { joints, ahead: grasp.x, lateral_offset: grasp.y, roll, room })
 }

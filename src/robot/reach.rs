@@ -1,5 +1,6 @@
 //! How far a robot can carry, and how much room a posture leaves.
 
+use super::level::FULL;
 use super::{Configuration, JointVector, Posture, Robot, collision, footprint};
 use crate::geometry::{PlanarPose, Point, Pose};
 use nalgebra::{Rotation3, Vector3};
@@ -90,28 +91,29 @@ impl Robot {
         let edge = self.base_extent().unwrap_or(edge);
         let level = self.level_heights();
         match (level.first(), level.last()) {
-            (Some(first), Some(last)) => {
-                format!("{all}, level at {first:.2} to {last:.2} m; the base extends to {edge:.2} m")
+            (Some((first, joints)), Some((last, _))) => {
+                let why = self.immovable(joints).map_or(String::new(), |why| format!("; {why}"));
+                format!("{all}, level at {first:.2} to {last:.2} m; the base extends to {edge:.2} m{why}")
             }
             _ => format!("{all}, but never level and straight ahead"),
         }
     }
 
     /// The heights at which the arm holds its grasp level and straight ahead, wherever that is in the plane
-    /// and whatever it touches, m.
-    fn level_heights(&self) -> Vec<f64> {
+    /// and whatever it touches, m, with joint positions.
+    fn level_heights(&self) -> Vec<(f64, JointVector)> {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
-        let mut is_level = |height: f64| {
-            [0.0, FRAC_PI_2, PI, -FRAC_PI_2].into_iter().any(|roll| {
+        let mut level = |height: f64| {
+            [0.0, FRAC_PI_2, PI, -FRAC_PI_2].into_iter().find_map(|roll| {
                 let turn = Rotation3::from_axis_angle(&Vector3::x_axis(), roll);
-                (0..STARTS).any(|_| {
+                (0..STARTS).find_map(|_| {
                     let start = self.random_joints(&mut rng);
-                    self.level(start, height, &turn).is_some()
+                    self.level(start, height, &turn)
                 })
             })
         };
         let heights = (0..HEIGHTS).map(|step| f64::from(step) * HEIGHT_STEP_M);
-        heights.filter(|&height| is_level(height)).collect()
+        heights.filter_map(|height| Some((height, level(height)?))).collect()
     }
 }
 
@@ -167,9 +169,14 @@ impl Robot {
     }
 
     /// The least singular value of the arm's Jacobian (m/s and rad/s per unit of joint rate): 0 where the arm
-    /// cannot move its grasp in some direction. Directions in which it can never move are left out.
+    /// cannot move its grasp in some direction, as of fewer than six joints.
     pub fn dexterity(&self, joints: &JointVector) -> f64 {
-        self.squared_singular_values(joints)[self.freedom().clamp(1, 6) - 1].max(0.0).sqrt()
+        self.squared_singular_values(joints)[FULL - 1].max(0.0).sqrt()
+    }
+
+    /// The same without directions in which the arm can never move.
+    pub(super) fn dexterity_where_free(&self, joints: &JointVector) -> f64 {
+        self.squared_singular_values(joints)[self.freedom().clamp(1, FULL) - 1].max(0.0).sqrt()
     }
 
     /// Twice the largest distance of the footprint from the middle of the base, m.

@@ -8,6 +8,7 @@ use crate::human::{Human, Participant};
 use crate::options::OptionSet;
 use crate::policy::RobotPolicy;
 use crate::robot::{Robot, RobotWarning, SlowDrive, WeakestJoint};
+use crate::team;
 use crate::world::World;
 use std::fmt;
 use std::sync::{Arc, OnceLock};
@@ -15,9 +16,12 @@ use std::sync::{Arc, OnceLock};
 /// A scenario with its world, options and robot: it owns what its episode borrows.
 #[derive(Clone, Debug)]
 pub struct PreparedScenario {
+    /// Its walking speed is at most that of the robot.
     scenario: Scenario,
     scene: Arc<Scene>,
     robot: Option<Arc<Robot>>,
+    /// Told if the robot is slower than the walking speed that was asked for.
+    slow_drive: Option<SlowDrive>,
 }
 
 /// A world with the options and obstacles built from it and c_r.
@@ -91,7 +95,7 @@ impl Scenario {
     }
 
     /// As [`Scenario::prepare`], but shares equal worlds and robots with `other`.
-    fn prepare_sharing(self, other: Option<&PreparedScenario>) -> Result<PreparedScenario, Error> {
+    fn prepare_sharing(mut self, other: Option<&PreparedScenario>) -> Result<PreparedScenario, Error> {
         self.check()?;
         let robot = match self.plant.robot_setup() {
             None => None,
@@ -114,7 +118,14 @@ impl Scenario {
                 Some(robot)
             }
         };
-        let width = robot.as_deref().map_or(0.0, Robot::width);
+        let joints = robot.as_deref().zip(self.plant.robot_setup());
+        let joints = joints.and_then(|(robot, setup)| Some((robot, robot.posture(&setup.posture)?.joints)));
+        let slow_drive =
+            joints.and_then(|(robot, joints)| team::slow_drive(robot, &joints, self.settings.speed));
+        if let Some(slow) = &slow_drive {
+            self.settings.speed = slow.walked;
+        }
+        let width = joints.map_or(0.0, |(robot, joints)| robot.carrying_width(&joints));
         let scene = match other.filter(|other| self.has_scene_of(other, width)) {
             Some(other) => Arc::clone(&other.scene),
             None => {
@@ -128,7 +139,7 @@ impl Scenario {
                 Arc::new(Scene { world, options, obstacles, as_written: OnceLock::new() })
             }
         };
-        let prepared = PreparedScenario { scenario: self, scene, robot };
+        let prepared = PreparedScenario { scenario: self, scene, robot, slow_drive };
         prepared.check_lead_option()?;
         prepared.check_payload()?;
         prepared.human()?;
@@ -138,7 +149,7 @@ impl Scenario {
     /// Whether this scenario with a robot of this width (m) has the same scene as another.
     fn has_scene_of(&self, other: &PreparedScenario, width: f64) -> bool {
         let risk_weight = |scenario: &Self| scenario.settings.predictor.risk_weight();
-        let others = other.robot().map_or(0.0, Robot::width);
+        let others = other.width();
         self.world == other.scenario.world
             && risk_weight(self) == risk_weight(&other.scenario)
             && width == others
@@ -146,7 +157,7 @@ impl Scenario {
 }
 
 impl PreparedScenario {
-    /// The scenario.
+    /// The scenario. Its walking speed is the team's: that of the robot where that is slower.
     pub fn scenario(&self) -> &Scenario {
         &self.scenario
     }
@@ -192,9 +203,14 @@ impl PreparedScenario {
         self.robot.as_deref()
     }
 
-    /// The robot's drive, if it is slower than the walking speed.
-    pub fn slow_drive(&self) -> Option<SlowDrive> {
-        self.robot()?.slow_drive(self.scenario.settings.speed)
+    /// The width that the robot needs, m; 0 without a robot.
+    fn width(&self) -> f64 {
+        self.manipulator().map_or(0.0, |manipulator| manipulator.robot.carrying_width(&manipulator.posture))
+    }
+
+    /// The robot's drive, if the team walks more slowly than it was asked to because of it.
+    pub fn slow_drive(&self) -> Option<&SlowDrive> {
+        self.slow_drive.as_ref()
     }
 
     /// Warnings about this robot in this world: that its width takes the place of the world's smaller one; that
@@ -204,9 +220,13 @@ impl PreparedScenario {
         let Some(robot) = self.robot() else { return Vec::new() };
         let has_contacts = self.scenario.plant.physics().is_some();
         let widened = self.world().is_widened.then(|| {
-            let (name, file, width) = (&robot.name, self.scenario.world.file(), robot.width());
+            let (name, file, width) = (&robot.name, self.scenario.world.file(), self.width());
+            let why = match width > robot.width() {
+                true => format!("needs {width:.2} m, as its base moves beside the object's path"),
+                false => format!("is {width:.2} m wide (base_width_m)"),
+            };
             format!(
-                "robot `{name}` is {width:.2} m wide (base_width_m), more than robot_width_m of {file}: its openings, \
+                "robot `{name}` {why}, more than robot_width_m of {file}: its openings, \
                  their risks and all clearances are for {width:.2} m"
             )
         });

@@ -16,7 +16,7 @@ mod team_path;
 pub use in_tandem::InTandem;
 pub use on_path::OnPath;
 pub(crate) use pace::TEAM_ACCELERATION;
-pub use pace::{Pace, Travel};
+pub use pace::{Pace, Travel, slow_drive};
 pub use route::{Route, TurnOutcome};
 pub use start::Surroundings;
 pub use team_path::Turned;

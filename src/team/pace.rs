@@ -1,7 +1,9 @@
 //! The pace of a team: its speed, its travel along a path, and how it slows.
 
+use super::object_room::MAX_TURN_RAD_PER_M;
 use crate::geometry::{PlanarPose, wrap_angle};
 use crate::options::turned;
+use crate::robot::{Drive, JointVector, Robot, SlowDrive};
 use serde::{Deserialize, Serialize};
 
 /// Acceleration of the team, m/s^2.
@@ -18,6 +20,34 @@ const BEND_LEAST_SHARE: f64 = 0.2;
 /// Distance (m) between the places where the object's turning is looked at, and their number.
 const BEND_STEP_M: f64 = 0.1;
 const BEND_STEPS: u32 = 4;
+
+/// The share of a drive's largest speed that carrying takes at most, in bends; the rest is for catching up.
+const DRIVE_SHARE: f64 = 0.8;
+
+/// The largest walking speed of a team whose robot starts in a posture, m/s: at it, the drive goes round bends.
+fn walking_speed(robot: &Robot, joints: &JointVector) -> f64 {
+    let Drive { rim_speed_limit, track, .. } = robot.drive;
+    let most = DRIVE_SHARE * rim_speed_limit;
+    // the outer rim is so far from the grasp's path
+    let lever = if robot.drive.is_omnidirectional() { 0.0 } else { track / 2.0 };
+    let lever = lever + robot.kept_offset(joints).abs();
+    // the object turns by so much in a metre, but the team slows where that is faster than the rate
+    (most / (1.0 + lever * MAX_TURN_RAD_PER_M)).max(most - lever * BEND_RATE)
+}
+
+/// A warning if the drive of a robot that starts in a posture is too slow for a team that walks at `speed` (m/s).
+pub fn slow_drive(robot: &Robot, joints: &JointVector, speed: f64) -> Option<SlowDrive> {
+    let walked = walking_speed(robot, joints);
+    let Drive { rim_speed_limit: limit, wheel_radius, .. } = robot.drive;
+    (walked < speed).then(|| SlowDrive {
+        robot: robot.name.clone(),
+        limit,
+        wheel_radius: if robot.drive.is_omnidirectional() { 0.0 } else { wheel_radius },
+        offset: robot.kept_offset(joints).abs(),
+        speed,
+        walked,
+    })
+}
 
 /// The team's walking parameters, which the robot knows.
 #[derive(Clone, Copy, Debug)]

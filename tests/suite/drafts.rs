@@ -7,17 +7,17 @@ use tempfile::TempDir;
 
 /// A URDF, link by link.
 #[derive(Clone)]
-struct Urdf(String);
+pub struct Urdf(String);
 
 /// Where a joint is, its angles, and its axis.
-type Frame<'a> = (&'a str, &'a str, &'a str);
+pub type Frame<'a> = (&'a str, &'a str, &'a str);
 
 const BOX: &str = "<box size=\"0.45 0.4 0.2\"/>";
 const WHEEL: &str = "<cylinder radius=\"0.1\" length=\"0.04\"/>";
 const ACROSS: &str = "1.5707963267948966 0 0";
-const NONE: &str = "0 0 0";
-const Y: &str = "0 1 0";
-const Z: &str = "0 0 1";
+pub const NONE: &str = "0 0 0";
+pub const Y: &str = "0 1 0";
+pub const Z: &str = "0 0 1";
 
 impl Urdf {
     /// A robot of one link with a shape, of 30 kg.
@@ -26,7 +26,7 @@ impl Urdf {
     }
 
     /// The same on two wheels.
-    fn on_wheels() -> Self {
+    pub fn on_wheels() -> Self {
         let wheel = |urdf: Self, side: &str, y: &str| {
             let (name, at) = (format!("{side}_wheel"), format!("0 {y} 0"));
             urdf.wheel(&name, "base_link", (&at, NONE, Y), &shape(NONE, ACROSS, WHEEL))
@@ -65,13 +65,13 @@ impl Urdf {
     }
 
     /// A moving link of the arm with a cylinder along z.
-    fn limb(self, kind: &str, name: &str, parent: &str, frame: Frame) -> Self {
+    pub fn limb(self, kind: &str, name: &str, parent: &str, frame: Frame) -> Self {
         let cylinder = shape("0 0 0.05", NONE, "<cylinder radius=\"0.03\" length=\"0.08\"/>");
         self.link(name, 1.0, &cylinder).joint(kind, &format!("{name}_joint"), [parent, name], frame)
     }
 
     /// A frame fixed to a link.
-    fn frame(self, name: &str, parent: &str, at: &str, rpy: &str) -> Self {
+    pub fn frame(self, name: &str, parent: &str, at: &str, rpy: &str) -> Self {
         let joint = format!("{name}_mount");
         Self(format!("{}<link name=\"{name}\"/>\n", self.0)).joint(
             "fixed",
@@ -111,12 +111,12 @@ impl Urdf {
         Self::on_wheels().arm("arm", "base_link", "0.05 0 0.3").frame("tool", "arm_6", "0 0 0.1", NONE)
     }
 
-    fn with(self, from: &str, to: &str) -> Self {
+    pub fn with(self, from: &str, to: &str) -> Self {
         assert!(self.0.contains(from), "{from}");
         Self(self.0.replace(from, to))
     }
 
-    fn written(&self) -> (TempDir, PathBuf) {
+    pub fn written(&self) -> (TempDir, PathBuf) {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("r.urdf");
         std::fs::write(&file, format!("<robot name=\"r\">{}</robot>", self.0)).unwrap();
@@ -129,12 +129,12 @@ impl Urdf {
         Draft::new(&file, "r.urdf", "drafted.toml", request).map_err(chain)
     }
 
-    fn drafted(&self, request: &DraftRequest) -> Draft {
+    pub fn drafted(&self, request: &DraftRequest) -> Draft {
         self.draft(request).unwrap_or_else(|error| panic!("{error}"))
     }
 
     /// The draft is refused with a sentence that has all of these, and about no file that does not exist.
-    fn refused(&self, request: &DraftRequest, parts: &[&str]) {
+    pub fn refused(&self, request: &DraftRequest, parts: &[&str]) {
         let error = self.draft(request).expect_err("refused");
         for part in parts {
             assert!(error.contains(part), "{part:?} is missing from: {error}");
@@ -151,7 +151,7 @@ fn shape(xyz: &str, rpy: &str, geometry: &str) -> String {
     of("visual") + &of("collision")
 }
 
-fn found() -> DraftRequest {
+pub fn found() -> DraftRequest {
     DraftRequest::default()
 }
 

@@ -9,8 +9,10 @@ use super::robot::check_is_file;
 use super::xacro::XacroArguments;
 use anyhow::{Error, anyhow};
 use clap::Args;
+use cocarry::episode::Settings;
 use cocarry::geometry::{Footprint, Pose};
-use cocarry::robot::{Drive, DriveKind, Motion, Posture, Robot, WeakestJoint};
+use cocarry::robot::{Drive, DriveKind, Motion, PlanarSpeeds, Posture, Robot, WeakestJoint};
+use cocarry::team;
 use cocarry::world::CarriedObject;
 use cocarry_recording::rendering;
 use serde_json::{Value, json};
@@ -111,6 +113,7 @@ struct PostureRow<'a> {
     dexterity: f64,
     /// The joint that limits the load at rest.
     weakest: Option<WeakestJoint<'a>>,
+    speeds: PlanarSpeeds,
 }
 
 fn rows(robot: &Robot) -> Vec<PostureRow<'_>> {
@@ -118,18 +121,16 @@ fn rows(robot: &Robot) -> Vec<PostureRow<'_>> {
         let Posture { joints, .. }: &Posture = posture;
         let (at, reach) = (robot.drive_from_grasp(joints).translation.vector, robot.reach(posture));
         let tightest = robot.limit_clearance(joints).map(|(i, share)| (robot.joints[i].name.as_str(), share));
-        let dexterity = robot.dexterity(joints);
-        let (nearest, farthest) = (reach.nearest, reach.farthest);
-        let weakest = robot.weakest_joint(joints);
         PostureRow {
             posture,
             ahead: at.x,
             lateral_offset: at.y,
-            nearest,
-            farthest,
+            nearest: reach.nearest,
+            farthest: reach.farthest,
             tightest,
-            dexterity,
-            weakest,
+            dexterity: robot.dexterity(joints),
+            weakest: robot.weakest_joint(joints),
+            speeds: robot.planar_speeds(joints),
         }
     };
     robot.postures.iter().map(row).collect()
@@ -161,8 +162,13 @@ fn remarks(robot: &Robot) -> Vec<String> {
         }
     }
     for row in rows(robot).iter().filter(|row| row.lateral_offset.abs() > ON_AXIS_M) {
+        let needed = robot.carrying_width(&row.posture.joints);
+        let needs = match needed > width {
+            true => format!(", and needs openings of {needed:.2} m"),
+            false => String::new(),
+        };
         remarks.push(format!(
-            "posture `{}` holds the grasp {:.2} m to the side of the base's axis; the base keeps that offset",
+            "posture `{}` holds the grasp {:.2} m to the side of the base's axis; the base keeps that offset{needs}",
             row.posture.name,
             row.lateral_offset.abs()
         ));
@@ -182,11 +188,20 @@ fn remarks(robot: &Robot) -> Vec<String> {
             2.0 * half
         ));
     }
-    if robot.joint_count() < 6 {
-        remarks.push(format!(
-            "the arm has {} joints; with fewer than 6 it cannot hold every pose",
-            robot.joint_count()
-        ));
+    let speed = Settings::default().speed;
+    let slow = robot.postures.iter().filter_map(|posture| team::slow_drive(robot, &posture.joints, speed));
+    let mut slow: Vec<String> = slow.map(|slow| slow.to_string()).collect();
+    slow.dedup();
+    remarks.extend(slow);
+    for posture in &robot.postures {
+        let missing = robot.missing_motions(&posture.joints);
+        if !missing.is_empty() {
+            remarks.push(format!(
+                "posture `{}` holds the grasp where the arm alone cannot {}; the base has to help",
+                posture.name,
+                missing.join(", ")
+            ));
+        }
     }
     remarks
 }
@@ -315,6 +330,13 @@ fn as_json(robot: &Robot) -> Value {
                 "dexterity": row.dexterity,
                 "holds_kg": row.weakest.map(|joint| joint.payload),
                 "weakest_joint": row.weakest.map(|joint| joint.name),
+                "speeds": {
+                    "ahead_m_s": row.speeds.ahead,
+                    "sideways_m_s": row.speeds.sideways,
+                    "turning_rad_s": row.speeds.turning,
+                },
+                "needed_width_m": robot.carrying_width(&row.posture.joints),
+                "missing_motions": robot.missing_motions(&row.posture.joints),
             })
         })
         .collect();

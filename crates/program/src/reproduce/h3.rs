@@ -11,6 +11,7 @@ use anyhow::Context;
 use clap::Args;
 use cocarry::episode::Settings;
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
+use cocarry::team;
 use cocarry_studies::paper::h3::{EPISODES, Human, PoseMethod, PoseRow, Study, units};
 use cocarry_studies::report::{Compared, ratio_picture, table_3, table_3_ratios};
 use serde_json::json;
@@ -54,7 +55,9 @@ pub(super) fn reproduce_h3(arguments: &H3Arguments) -> Result<(), Failure> {
     let inputs = [&robot.texts.file, &robot.texts.urdf_file].map(Path::new);
     let outputs = arguments.overwrite.outputs(inputs, files)?;
     let settings = Settings::default();
-    robot.slow_drive(settings.speed).iter().for_each(warn);
+    for posture in &robot.postures {
+        team::slow_drive(&robot, &posture.joints, settings.speed).iter().for_each(warn);
+    }
     let default = if arguments.plant == PlantKind::Rapier { EPISODES / 5 } else { EPISODES };
     let episodes = arguments.episodes.map_or(default, |n| n as usize);
     let plant = Plant::new(arguments.plant, RobotSetup::new(&robot));

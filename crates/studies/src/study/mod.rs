@@ -309,7 +309,7 @@ impl Study {
             let made = made.map_err(|source| self.refused(i, source))?;
             made.options_as_written().map_err(|source| self.refused(i, source))?;
             let slow = made.slow_drive().filter(|found| !self.slow_drives.contains(found));
-            self.slow_drives.extend(slow);
+            self.slow_drives.extend(slow.cloned());
             for warning in made.robot_warnings() {
                 if !self.robot_warnings.contains(&warning) {
                     self.robot_warnings.push(warning);
