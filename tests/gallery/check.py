@@ -1,15 +1,17 @@
 """Published robots of `example-robot-data`: drafted, compared with pinocchio, and carrying on both plants.
 
-    python check.py PROGRAM FOLDER [--seeds N] [--only NAME ...] [--pages] [--pictures]
+    python check.py PROGRAM FOLDER [--repositories FOLDER] [--seeds N] [--only NAME ...] [--pages] [--pictures]
 
 PROGRAM is `cocarry`, FOLDER the data's `robots`. Arms without a base stand on a differential base made here.
-The project's own robots with meshes are compared and carry too. `--pages` writes the book's pages of the robots.
+The project's own robots with meshes are compared and carry too, and robots of repositories (repositories.toml), where
+there is a folder with a clone of each; those that are not there, or whose files differ, are skipped with a word. `--pages` writes the book's pages of the robots.
 `--pictures` writes their pictures; alone, it compares nothing and no robot carries. Exits with 1 if anything differs from what is expected.
 """
 
 import argparse
 import collections
 import csv
+import hashlib
 import json
 import math
 import os
@@ -68,6 +70,8 @@ REFUSED = {
     "tiago_pro": ("tiago_pro_description/robots/tiago_pro.urdf", ["4 wheels", "mecanum", "wheel_front_left_joint"]),
     "pr2": ("pr2_description/urdf/pr2.urdf", ["no pair of driven wheels", "--drive omnidirectional"]),
 }
+# Robots of repositories: which commit, which URDF, digests of the files that count, arguments of `robot init`
+REPOSITORIES = tomllib.loads((pathlib.Path(__file__).parent / "repositories.toml").read_text())
 # This project's own robots with meshes, in assets/robots
 OWN = ["porter", "shuttle"]
 ROBOTS = pathlib.Path(__file__).resolve().parents[2] / "assets/robots"
@@ -152,7 +156,7 @@ def differences(urdf: pathlib.Path, file: pathlib.Path, checked: dict) -> dict[s
         place = lambda link: data.oMf[model.getFrameId(link, pinocchio.FrameType.BODY)]
         wheels = [data.oMi[model.getJointId(wheel["joint"])].translation for wheel in checked["drive"]["wheels"]]
         base = place(robot["base_link"])
-        floor = numpy.zeros(3)
+        floor = numpy.array([0, 0, -robot.get("base_height_m", 0.0)])
         if wheels:
             middle = base.rotation.T @ (sum(wheels) / len(wheels) - base.translation)
             floor = middle - [0, 0, checked["drive"]["wheel_radius_m"]]
@@ -171,7 +175,7 @@ def differences(urdf: pathlib.Path, file: pathlib.Path, checked: dict) -> dict[s
         of_arm = [model.joints[model.getJointId(name)].idx_v for name in posture["joints"]]
         payloads = [model.effortLimit[i] / abs(9.81 * lifted[i]) for i in of_arm if model.effortLimit[i] > 0 and lifted[i] != 0]
         held_by = max(held_by, abs(posture["holds_kg"] / min(payloads) - 1))
-    mass = sum(inertia.mass for inertia in model.inertias)
+    mass = sum(inertia.mass for inertia in model.inertias) + robot.get("base_mass_kg", 0.0)
     return {"frames": worst, "mass": abs(checked["base"]["mass_kg"] + checked["arm_mass_kg"] - mass), "holds": held_by}
 
 
@@ -189,7 +193,22 @@ def outside(model: coal.BVHModelBase, parts: list) -> float:
     return float(numpy.min([(points @ p[:, :3].T + p[:, 3]).max(1) for p in planes], axis=0).max())
 
 
-def hull_differences(snapshot: pathlib.Path, packages: pathlib.Path) -> list[float]:
+def mesh_file(name: str, folder: pathlib.Path, urdf: pathlib.Path) -> pathlib.Path:
+    """A mesh by its name in a URDF: relative to the URDF, or in a package at or below a folder."""
+    if not name.startswith("package://"):
+        return urdf.parent / name
+    package, rest = name.removeprefix("package://").split("/", 1)
+    places = [folder, *folder.rglob(package)] if folder.name == package else folder.rglob(package)
+    return next((place / rest for place in places if (place / rest).exists()), folder / name.removeprefix("package://"))
+
+
+def digest(files: list[pathlib.Path]) -> str:
+    """SHA-256 of the SHA-256 of files, in hexadecimal, one a line."""
+    each = [hashlib.sha256(file.read_bytes()).hexdigest() + "\n" for file in files]
+    return hashlib.sha256("".join(each).encode()).hexdigest()
+
+
+def hull_differences(snapshot: pathlib.Path, folder: pathlib.Path, urdf: pathlib.Path) -> list[float]:
     """For every collision mesh, the largest difference of its hull in a snapshot from the mesh as read by Assimp, in
     200 directions, as a share of the mesh's diagonal. Nothing of a hull lies outside its mesh's. Of a mesh in parts,
     what stands out by more than a cube; nothing of its surface lies outside all parts."""
@@ -206,7 +225,7 @@ def hull_differences(snapshot: pathlib.Path, packages: pathlib.Path) -> list[flo
     directions /= numpy.linalg.norm(directions, axis=1)[:, None]
     loader, shares = coal.MeshLoader(), []
     for name, hull in hulls.items():
-        model = loader.load(str(packages / name.removeprefix("package://")), numpy.ones(3))
+        model = loader.load(str(mesh_file(name, folder, urdf)), numpy.ones(3))
         mesh = model.vertices()
         diagonal = numpy.linalg.norm(mesh.max(0) - mesh.min(0))
         in_parts = isinstance(hull[0][0], list)
@@ -271,10 +290,13 @@ class Gallery:
         for file in [ROBOTS / f"{name}.urdf", *sorted((ROBOTS / name).iterdir())]:
             made = folder / file.relative_to(ROBOTS)
             self.check(made.exists() and made.read_bytes() == file.read_bytes(), f"{name}: {file.name} is not what make.py writes")
-        self.examine(name, ROBOTS / f"{name}.urdf", [], ROBOTS / f"{name}.toml")
+        self.examine(name, ROBOTS / f"{name}.urdf", [], ROBOTS / f"{name}.toml", ROBOTS)
 
-    def carries(self, name: str, urdf: pathlib.Path, arguments: list[str]) -> None:
-        """Drafts the robot file, compares it with pinocchio, and carries in the four environments."""
+    def carries(
+        self, name: str, urdf: pathlib.Path, arguments: list[str], folder: pathlib.Path | None = None
+    ) -> None:
+        """Drafts the robot file, compares it with pinocchio, and carries in the four environments. `folder` has the
+        meshes."""
         file = self.work / f"{name}.toml"
         hold = [word for joint, at in HOLD.get(name, {}).items() for word in ("--hold", f"{joint}={math.degrees(at)}")]
         drafted = self.cocarry("robot", "init", urdf, "-o", file, *arguments, *hold)
@@ -285,10 +307,28 @@ class Gallery:
         if drafted.returncode != 0:
             self.check(False, f"{name}: {drafted.stderr}")
             return
-        self.examine(name, urdf, arguments, file)
+        self.examine(name, urdf, arguments, file, folder or self.robots.parents[1])
 
-    def examine(self, name: str, urdf: pathlib.Path, arguments: list[str], file: pathlib.Path) -> None:
-        """Compares a robot with pinocchio, and carries in the four environments."""
+    def of_repository(self, name: str, entry: dict, folder: pathlib.Path | None) -> None:
+        """A robot of a repository, if there is a clone of it in the folder, with the files that the table has."""
+        repository = REPOSITORIES["repository"][entry["repository"]]
+        clone = folder and folder / entry["repository"].split("/")[1]
+        if clone is None or not (clone / entry["urdf"]).exists():
+            print(f"{name:14} skipped: no clone of {entry['repository']} at {repository['commit'][:8]} (--repositories)")
+            return
+        urdf = clone / entry["urdf"]
+        meshes = [clone / mesh for mesh in entry.get("meshes", [])]
+        lacking = [mesh for mesh in meshes if not mesh.exists()]
+        if lacking or digest([urdf, *meshes]) != entry["sha256"]:
+            what = f"{lacking[0].name} is missing" if lacking else "its files differ"
+            print(f"{name:14} skipped: {what}; expected {entry['repository']} at {repository['commit'][:8]}")
+            return
+        self.carries(name, urdf, entry.get("arguments", []), clone)
+
+    def examine(
+        self, name: str, urdf: pathlib.Path, arguments: list[str], file: pathlib.Path, folder: pathlib.Path
+    ) -> None:
+        """Compares a robot, whose meshes are below a folder, with pinocchio, and carries in the four environments."""
         said = self.cocarry("robot", "check", file, "--json")
         if said.returncode != 0:
             self.check(False, f"{name}: {said.stderr}")
@@ -299,11 +339,11 @@ class Gallery:
             return
         differs = differences(urdf, file, checked)
         self.check(max(differs.values()) <= MAX_DIFFERENCE, f"{name}: differs from pinocchio: {differs}")
-        width = checked["base"]["width_m"]
+        width = checked["postures"][0]["needed_width_m"]
         snapshot = self.work / f"{name}.snapshot"
         self.cocarry("run", "environment-1", "--plant", "kinematic", "--robot", file, "--save-at", "1", snapshot)
-        hulls = hull_differences(snapshot, ROBOTS if name in OWN else self.robots.parents[1])
-        self.check(max(hulls) <= MAX_HULL_DIFFERENCE, f"{name}: hulls differ from their meshes: {hulls}")
+        hulls = hull_differences(snapshot, folder, urdf)
+        self.check(max(hulls, default=0.0) <= MAX_HULL_DIFFERENCE, f"{name}: hulls differ from their meshes: {hulls}")
         rows = self.episodes(name, file, width)
         arrived = [row for row in rows if row["outcome"] == "arrived"]
         error = max((float(row["position_error_rms_m"]) for row in arrived), default=0.0)
@@ -318,7 +358,7 @@ class Gallery:
             f"{name:14} {checked['drive']['kind']}, {len(checked['joints'])} joints, {len(checked['postures'])} postures, {width:.2f} m wide; "
             f"frames within {differs['frames']:.0e}, mass within {differs['mass']:.0e} kg, "
             f"what it holds within {differs['holds']:.0e}; "
-            f"{len(hulls)} hulls within {100 * max(hulls):.1f} %; "
+            f"{len(hulls)} hulls within {100 * max(hulls, default=0.0):.1f} %; "
             f"{len(arrived)} of {len(rows)} arrived, grasp error at most {1000 * error:.1f} mm rms"
             + "".join(f"; {count} {outcome} ({plant})" for (plant, outcome), count in others.items()),
             flush=True,
@@ -345,6 +385,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program", type=pathlib.Path)
     parser.add_argument("robots", type=pathlib.Path)
+    parser.add_argument("--repositories", type=pathlib.Path, default=os.environ.get("COCARRY_REPOSITORIES"), help="folder with clones of the repositories [default: $COCARRY_REPOSITORIES]")
     parser.add_argument("--seeds", type=int, default=5)
     parser.add_argument("--pages", action="store_true", help="write the book's pages of the robots")
     parser.add_argument("--pictures", action="store_true", help="write the pictures of the pages; needs Chromium and npm")
@@ -370,6 +411,9 @@ def main() -> None:
             gallery.carries(f"{name}_omni", file, options)
         for name in filter(is_asked, OWN):
             gallery.own(name)
+        clones = arguments.repositories and pathlib.Path(arguments.repositories).resolve()
+        for name, entry in filter(lambda item: is_asked(item[0]), REPOSITORIES["robot"].items()):
+            gallery.of_repository(name, entry, clones)
         if arguments.pictures:
             pages.pictures(gallery.told, gallery.cocarry, work)
         if arguments.pages:

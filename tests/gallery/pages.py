@@ -34,6 +34,9 @@ TITLES = {
     "shuttle": ("Shuttle", None, "Four mecanum wheels, a pedestal, and an arm whose upper and lower halves lie side by side."),
 }
 OWN = ["porter", "shuttle"]
+# Robots of repositories
+TABLE = tomllib.loads((pathlib.Path(__file__).parent / "repositories.toml").read_text())
+TITLES |= {name: (entry["title"], None, entry.get("about", "")) for name, entry in TABLE["robot"].items()}
 PLANTS = {"kinematic": "kinematic", "rapier": "physical"}
 
 
@@ -54,8 +57,8 @@ def terms(package: pathlib.Path) -> tuple[str, str]:
 
 
 def has_picture(name: str, told: dict) -> bool:
-    """Whether no URDF of others forbids changed versions."""
-    return name in OWN or not re.search("NoDeriv|NonCommercial", told["urdf"].read_text())
+    """Whether nobody forbids changed versions of a robot's description; of repositories, none is shown."""
+    return name in OWN or name in TITLES and name not in TABLE["robot"] and not re.search("NoDeriv|NonCommercial", told["urdf"].read_text())
 
 
 def pictures(all_told: dict[str, dict], cocarry, work: pathlib.Path) -> None:
@@ -82,10 +85,13 @@ def file_of(name: str) -> str:
 
 def robot_file(name: str, told: dict, robots: pathlib.Path) -> str:
     """The robot file, with the URDF as it is named in its package."""
-    try:
-        urdf = told["urdf"].relative_to(robots).as_posix()
-    except ValueError:
-        urdf = told["urdf"].name
+    if name in TABLE["robot"]:
+        urdf = TABLE["robot"][name]["urdf"]
+    else:
+        try:
+            urdf = told["urdf"].relative_to(robots).as_posix()
+        except ValueError:
+            urdf = told["urdf"].name
     return re.sub(r'(?m)^urdf = .*$', f'urdf = "{urdf}"', told["file"].read_text()).strip()
 
 
@@ -118,6 +124,13 @@ def page(name: str, told: dict, robots: pathlib.Path, seeds: int) -> str:
             "```sh", f"cocarry export {name}", f"cocarry robot check {name}.toml --render {name}.html",
             f"cocarry run environment-1 --robot {name}.toml --seed 1", "```", "",
         ]
+    elif name in TABLE["robot"]:
+        repository = TABLE["robot"][name]["repository"]
+        pinned = TABLE["repository"][repository]
+        lines += [
+            f"Description: <https://github.com/{repository}>, commit {pinned['commit'][:12]}. Licence: {pinned['licence']}. There is no picture of its meshes here;",
+            "`cocarry robot check robot.toml --render robot.html` shows it, where the repository is at hand.", "",
+        ]
     else:
         upstream, licence = terms(package_of(told, robots))
         lines += [f"Description: <{upstream}>, as in `example-robot-data` 6.0.0. Licence, by its readme: {licence}.", ""]
@@ -130,7 +143,7 @@ def page(name: str, told: dict, robots: pathlib.Path, seeds: int) -> str:
     lines += [
         "| what | value |", "| --- | --- |",
         f"| drive | {drive_words(checked['drive'])} |",
-        f"| base | {checked['base']['width_m']:.2f} m wide, {checked['base']['mass_kg']:.1f} kg |",
+        f"| base | {checked['base']['width_m']:.2f} m wide, {checked['base']['mass_kg']:.1f} kg; it needs openings of {posture['needed_width_m']:.2f} m |",
         f"| arm | {len(checked['joints'])} joints, {checked['arm_mass_kg']:.1f} kg |",
         f"| grasp | `{tomllib.loads(told['file'].read_text())['grasp_frame']}`, held at {checked['grasp_height_m']:g} m |",
         f"| first posture | the grasp {posture['ahead_m']:.2f} m ahead; it reaches from {posture['nearest_m']:.2f} to {posture['farthest_m']:.2f} m; {room} |",
@@ -153,8 +166,8 @@ def page(name: str, told: dict, robots: pathlib.Path, seeds: int) -> str:
             of = [row for row in rows if (row["plant"], row["world"]) == (plant, world)]
             cells.append(f"{sum(row['outcome'] == 'arrived' for row in of)} of {len(of)}")
         lines.append(f"| {words} | " + " | ".join(cells) + " |")
-    width = checked["base"]["width_m"]
-    scaled = f", in worlds scaled by {width / 0.5:.2f} for its width" if width > 0.5 else ""
+    width = posture["needed_width_m"]
+    scaled = f", in worlds scaled by {width / 0.5:.2f} for the width that it needs" if width > 0.5 else ""
     lines += [
         "", f"{told['arrived']} of {len(rows)} arrived{scaled}; {seeds} seeds each. The grasp error is at most {1000 * told['error_m']:.1f} mm (rms) in those that arrived.",
     ]
@@ -179,7 +192,7 @@ def table(all_told: dict[str, dict]) -> list[str]:
         checked = told["checked"]
         others = ", ".join(f"{count} {outcome} ({plant})" for (plant, outcome), count in told["others"].items())
         lines.append(
-            f"| [{title}](gallery/{file_of(name)}.md) | {base or checked['drive']['kind']} | {len(checked['joints'])} | {checked['base']['width_m']:.2f} "
+            f"| [{title}](gallery/{file_of(name)}.md) | {base or checked['drive']['kind']} | {len(checked['joints'])} | {checked['postures'][0]['needed_width_m']:.2f} "
             f"| {told['arrived']} of {len(told['rows'])} | {1000 * told['error_m']:.1f} | {others or '-'} |"
         )
     return lines
