@@ -130,6 +130,19 @@ def on_base(arm: pathlib.Path, at: list[float], file: pathlib.Path, wheels: dict
     ET.ElementTree(robot).write(file)
 
 
+def without_shapes(urdf: pathlib.Path) -> str:
+    """The text of a URDF for kinematics and masses, as urdfdom reads it: of shapes it does not know some, and it asks
+    for all numbers of a limit."""
+    robot = ET.parse(urdf).getroot()
+    for link in robot.iter("link"):
+        for shape in [*link.findall("visual"), *link.findall("collision")]:
+            link.remove(shape)
+    for limit in robot.iter("limit"):
+        for key in ("effort", "velocity"):
+            limit.set(key, limit.get(key, "0"))
+    return ET.tostring(robot, encoding="unicode")
+
+
 def grasp_in_tool(robot: dict) -> pinocchio.SE3:
     """The pose of the grasp in the tool's frame."""
     rpy = numpy.radians(robot.get("grasp_rpy_deg", [0, 0, 0]))
@@ -139,7 +152,7 @@ def grasp_in_tool(robot: dict) -> pinocchio.SE3:
 def differences(urdf: pathlib.Path, file: pathlib.Path, checked: dict) -> dict[str, float]:
     """The largest differences of `robot check --json` from pinocchio: frames (m and 1), mass (kg), and what the postures hold (a share)."""
     robot = tomllib.loads(file.read_text())
-    model = pinocchio.buildModelFromUrdf(str(urdf))
+    model = pinocchio.buildModelFromXML(without_shapes(urdf))
     data = model.createData()
     worst = held_by = 0.0
     for posture in checked["postures"]:
