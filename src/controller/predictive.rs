@@ -153,13 +153,9 @@ impl<'a> Predictive<'a> {
     /// its grasp ahead, until its arm has come to its limits.
     fn following_beside(&self, target: &Configuration, grasp: &Pose) -> Option<BaseInputs> {
         let guide = self.lateral.as_ref()?;
-        let (robot, reference) = (self.manipulator.robot, self.references.to_track());
         let at = PlanarPose::from_above(grasp);
-        let poses = std::array::from_fn(|t| PlanarPose {
-            position: at.position + reference.fixed_view::<2, 1>(0, t),
-            yaw: at.yaw + reference[(5, t)],
-        });
-        Some(guide.following_at_once(&target.base, (&at, &poses), &robot.drive, self.period))
+        let poses = self.references.poses(&at);
+        Some(guide.following_at_once(&target.base, (&at, &poses), &self.manipulator.robot.drive, self.period))
     }
 
     /// Inputs that turn a free omnidirectional base toward its grasp, unless it is a disc.
@@ -274,10 +270,12 @@ impl Controller for Predictive<'_> {
         let speed = way.walk.observed_speed(seen, &self.references.intent, way.travel);
         let (manipulator, period) = (&self.manipulator, self.period);
         let guide = self.guide.as_mut();
+        let grasp = PlanarPose::from_above(&at.grasp);
         let base = guide.and_then(|guide| match &self.references.given {
             // a policy's reference need not be on the path
-            Some(poses) => {
-                guide.following(seen, (&PlanarPose::from_above(&at.grasp), poses), &robot.drive, period)
+            Some(poses) => guide.following(seen, (&grasp, poses), &robot.drive, period),
+            None if guide.is_beside() => {
+                guide.following(seen, (&grasp, &self.references.poses(&grasp)), &robot.drive, period)
             }
             None => guide.inputs(seen, way.walk, &ahead, speed, manipulator, period),
         });

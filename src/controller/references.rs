@@ -55,6 +55,15 @@ impl References {
         &self.references[self.tracked.unwrap_or(0)]
     }
 
+    /// Where the reference to track takes a grasp that is `at` a pose now, one pose per control period.
+    pub fn poses(&self, at: &PlanarPose) -> [PlanarPose; HORIZON] {
+        let reference = self.to_track();
+        std::array::from_fn(|t| PlanarPose {
+            position: at.position + reference.fixed_view::<2, 1>(0, t),
+            yaw: at.yaw + reference[(5, t)],
+        })
+    }
+
     /// Sets the references of this period, relative to the grasp. Returns the path ahead of the team.
     pub fn set<'s>(
         &mut self,

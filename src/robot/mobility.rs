@@ -14,8 +14,6 @@ const IN_PLANE: [usize; 3] = [0, 1, 5];
 /// The largest part of a motion that may be missing for it to count as possible: the axes of calibrated URDFs are not
 /// quite parallel.
 const TOLERANCE: f64 = 0.02;
-/// Damping, as a share of the largest entry, far below the square of any share that matters.
-const DAMPING: f64 = 1e-12;
 /// A grasp nearer to the base's axis is on it, m.
 const ON_AXIS_M: f64 = 1e-3;
 /// How far ahead of the axle the arm must turn its grasp at least, m: nearer, the base would have to turn on the
@@ -139,12 +137,12 @@ impl Robot {
         columns.columns_mut(0, MAX_JOINTS).copy_from(&self.arm_jacobian(&there.jacobian));
         columns[(0, MAX_JOINTS)] = 1.0;
         let turned = Vector6::new(at.y, -at.x, 0.0, 0.0, 0.0, -1.0);
-        if within_possible(&columns, &turned).is_some() {
+        if Twist::new(&columns, &turned).is_some() {
             return None;
         }
         columns[(1, MAX_JOINTS + 1)] = 1.0;
-        let (columns, turned) = within_possible(&columns, &turned)?;
-        Some(-weighted(&columns, &InputVector::repeat(1.0), &turned)?[MAX_JOINTS + 1])
+        let motion = Twist::new(&columns, &turned)?;
+        Some(-motion.weighted(&InputVector::repeat(1.0))?[MAX_JOINTS + 1])
     }
 }
 
@@ -152,15 +150,14 @@ impl Robot {
 /// Chebyshev norm of the scaled inputs, by Lawson's algorithm (weighted least squares, whose weights grow with
 /// the inputs). `None` if no inputs have the twist.
 fn largest_share(jacobian: &InputJacobian, limits: &InputVector, twist: &Vector6<f64>) -> Option<f64> {
-    let (jacobian, twist) = within_possible(jacobian, twist)?;
-    let mut scaled = jacobian;
-    for (mut column, limit) in scaled.column_iter_mut().zip(limits) {
+    let mut motion = Twist::new(jacobian, twist)?;
+    for (mut column, limit) in motion.jacobian.column_iter_mut().zip(limits) {
         column *= *limit;
     }
     let mut weights = InputVector::repeat(1.0);
     let mut least: Option<f64> = None;
     for _ in 0..STEPS {
-        let shares = weighted(&scaled, &weights, &twist)?;
+        let shares = motion.weighted(&weights)?;
         let largest = shares.amax();
         least = Some(least.map_or(largest, |least| least.min(largest)));
         weights
@@ -181,20 +178,36 @@ fn possible(gram: &Matrix6<f64>) -> Matrix6<f64> {
     onto
 }
 
-/// A Jacobian and a twist without the directions that are not [`possible`]; `None` if the twist has a part in them.
-fn within_possible(jacobian: &InputJacobian, twist: &Vector6<f64>) -> Option<(InputJacobian, Vector6<f64>)> {
-    let onto = possible(&(jacobian * jacobian.transpose()));
-    let within = onto * twist;
-    ((within - twist).amax() <= TOLERANCE).then_some((onto * jacobian, within))
+/// A twist that inputs can make, with their Jacobian, both without the directions that are not [`possible`].
+struct Twist {
+    jacobian: InputJacobian,
+    twist: Vector6<f64>,
+    /// The projection onto those directions.
+    impossible: Matrix6<f64>,
 }
 
-/// The inputs with this `twist` whose weighted squares have the least sum; `None` if the numbers do not allow it.
-fn weighted(jacobian: &InputJacobian, weights: &InputVector, twist: &Vector6<f64>) -> Option<InputVector> {
-    let mut spread: SMatrix<f64, 6, MAX_INPUTS> = *jacobian;
-    for (mut column, weight) in spread.column_iter_mut().zip(weights) {
-        column /= *weight;
+impl Twist {
+    /// `None` if the twist has a part in those directions.
+    fn new(jacobian: &InputJacobian, twist: &Vector6<f64>) -> Option<Self> {
+        let onto = possible(&(jacobian * jacobian.transpose()));
+        let within = onto * twist;
+        let impossible = Matrix6::identity() - onto;
+        ((within - twist).amax() <= TOLERANCE).then_some(Self {
+            jacobian: onto * jacobian,
+            twist: within,
+            impossible,
+        })
     }
-    let gram = spread * jacobian.transpose();
-    let damped = gram + Matrix6::identity() * (DAMPING * gram.amax());
-    Some(spread.tr_mul(&damped.cholesky()?.solve(twist)))
+
+    /// The inputs with the twist whose weighted squares have the least sum; `None` if the numbers do not allow it.
+    fn weighted(&self, weights: &InputVector) -> Option<InputVector> {
+        let mut spread: SMatrix<f64, 6, MAX_INPUTS> = self.jacobian;
+        for (mut column, weight) in spread.column_iter_mut().zip(weights) {
+            column /= *weight;
+        }
+        let gram = spread * self.jacobian.transpose();
+        // what is added has no part in the twist, and makes the matrix regular
+        let regular = gram + self.impossible * gram.amax();
+        Some(spread.tr_mul(&regular.cholesky()?.solve(&self.twist)))
+    }
 }

@@ -88,6 +88,7 @@ SHORT = {"tiago_dual": 0.5, "panda": 0.75}
 NO_POSTURE = ["talos_arm"]
 MIN_ROBOTS, MIN_OMNIDIRECTIONAL = 8, 3
 MAX_GRASP_ERROR_M = 0.03
+USUAL_OBJECT_KG = 4.0
 
 
 WHEELS = {"left": (0.0, 0.19), "right": (0.0, -0.19)}
@@ -253,15 +254,24 @@ def hull_differences(snapshot: pathlib.Path, folder: pathlib.Path, urdf: pathlib
     return shares
 
 
-def scaled(world: pathlib.Path, factor: float, width: float, file: pathlib.Path) -> None:
-    """Writes a world for a robot of another width: all lengths in the plane are scaled."""
+def object_mass(posture: dict) -> float:
+    """The mass (kg) of the object that a robot carries from a posture: the usual one, or as much as its motors hold at
+    rest with a reserve of a fifth."""
+    held = posture["holds_kg"]
+    return USUAL_OBJECT_KG if held is None else min(USUAL_OBJECT_KG, math.floor(10 * 0.8 * 2 * held) / 10)
+
+
+def scaled(world: pathlib.Path, factor: float, width: float, mass: float, file: pathlib.Path) -> None:
+    """Writes a world for a robot of another width: all lengths in the plane are scaled. The object has this mass (kg)."""
 
     def numbers(match: re.Match) -> str:
         values = [float(value) * factor for value in match[2].split(",")]
         return f"{match[1]} = [{', '.join(f'{value:.5f}' for value in values)}]"
 
     text = re.sub(r"(?m)^(center_m|size_m|start_m|target_m) = \[([^\]]*)\]", numbers, world.read_text())
-    file.write_text(re.sub(r"(?m)^robot_width_m = .*$", f"robot_width_m = {width}", text))
+    text = re.sub(r"(?m)^robot_width_m = .*$", f"robot_width_m = {width}", text)
+    assert "[object]" not in text
+    file.write_text(f"{text}\n[object]\nshape = \"beam\"\nsize_m = [1.2, 0.1, 0.1]\nmass_kg = {mass}\n")
 
 
 class Gallery:
@@ -352,23 +362,23 @@ class Gallery:
             return
         differs = differences(urdf, file, checked)
         self.check(max(differs.values()) <= MAX_DIFFERENCE, f"{name}: differs from pinocchio: {differs}")
-        width = checked["postures"][0]["needed_width_m"]
+        width, mass = checked["postures"][0]["needed_width_m"], object_mass(checked["postures"][0])
         snapshot = self.work / f"{name}.snapshot"
-        self.cocarry("run", "environment-1", "--plant", "kinematic", "--robot", file, "--save-at", "1", snapshot)
+        rows = self.episodes(name, file, width, mass)
+        self.cocarry("run", f"{name}-{WORLDS[0]}.toml", "--plant", "kinematic", "--robot", file, "--save-at", "1", snapshot)
         hulls = hull_differences(snapshot, folder, urdf)
         self.check(max(hulls, default=0.0) <= MAX_HULL_DIFFERENCE, f"{name}: hulls differ from their meshes: {hulls}")
-        rows = self.episodes(name, file, width)
         arrived = [row for row in rows if row["outcome"] == "arrived"]
         error = max((float(row["position_error_rms_m"]) for row in arrived), default=0.0)
         others = collections.Counter((row["plant"], row["outcome"]) for row in rows if row not in arrived)
-        self.told[name] |= {"rows": rows, "arrived": len(arrived), "error_m": error, "others": others}
+        self.told[name] |= {"rows": rows, "object_kg": mass, "arrived": len(arrived), "error_m": error, "others": others}
         least = SHORT.get(name, MIN_SHARE_ARRIVED)
         self.check(len(arrived) >= least * len(rows), f"{name}: {len(arrived)} of {len(rows)} arrived: {others}")
         if rows and len(arrived) >= MIN_SHARE_ARRIVED * len(rows):
             self.passed.append(checked["drive"]["kind"])
         self.check(error < MAX_GRASP_ERROR_M, f"{name}: grasp error {error:.4f} m rms")
         print(
-            f"{name:14} {checked['drive']['kind']}, {len(checked['joints'])} joints, {len(checked['postures'])} postures, {width:.2f} m wide; "
+            f"{name:14} {checked['drive']['kind']}, {len(checked['joints'])} joints, {len(checked['postures'])} postures, {width:.2f} m wide, object of {mass} kg; "
             f"frames within {differs['frames']:.0e}, mass within {differs['mass']:.0e} kg, "
             f"what it holds within {differs['holds']:.0e}; "
             f"{len(hulls)} hulls within {100 * max(hulls, default=0.0):.1f} %; "
@@ -377,13 +387,14 @@ class Gallery:
             flush=True,
         )
 
-    def episodes(self, name: str, file: pathlib.Path, width: float) -> list[dict]:
-        """Rows of episodes in worlds as wide as the robot needs."""
+    def episodes(self, name: str, file: pathlib.Path, width: float, mass: float) -> list[dict]:
+        """Rows of episodes in worlds as wide as the robot needs, with an object of this mass (kg)."""
         worlds = []
         for world in WORLDS:
             worlds.append(f"{name}-{world}.toml")
             # the worlds are for robots of 0.5 m
-            scaled(self.work / f"{world}.toml", max(width / 0.5, 1.0), max(width, 0.5), self.work / worlds[-1])
+            size = max(width / 0.5, 1.0)
+            scaled(self.work / f"{world}.toml", size, max(width, 0.5), mass, self.work / worlds[-1])
         study, out = self.work / f"{name}-study.toml", self.work / f"{name}.csv"
         study.write_text(
             f"worlds = {json.dumps(worlds)}\nplants = [\"kinematic\", \"rapier\"]\n"

@@ -147,6 +147,7 @@ def page(name: str, told: dict, robots: pathlib.Path, seeds: int) -> str:
         f"| arm | {len(checked['joints'])} joints, {checked['arm_mass_kg']:.1f} kg |",
         f"| grasp | `{tomllib.loads(told['file'].read_text())['grasp_frame']}`, held at {checked['grasp_height_m']:g} m |",
         f"| first posture | the grasp {posture['ahead_m']:.2f} m ahead; it reaches from {posture['nearest_m']:.2f} to {posture['farthest_m']:.2f} m; {room} |",
+        f"| payload | {payload_words(posture, told['object_kg'])} |",
         f"| postures | {', '.join(p['name'] for p in checked['postures'])} |",
         "",
         "| joint | from | to | rate |", "| --- | --- | --- | --- |",
@@ -185,15 +186,23 @@ def page(name: str, told: dict, robots: pathlib.Path, seeds: int) -> str:
     return "\n".join(lines)
 
 
+def payload_words(posture: dict, mass: float) -> str:
+    """What the arm holds at rest, by J^T F, and the object that it carries here."""
+    held = posture["holds_kg"]
+    if held is None:
+        return f"no joint has an effort limit; here an object of {mass:.1f} kg"
+    return f"holds {held:.1f} kg at the grasp, where `{posture['weakest_joint']}` is at its effort limit; here an object of {mass:.1f} kg"
+
+
 def table(all_told: dict[str, dict]) -> list[str]:
-    lines = ["| robot | base | joints | width (m) | arrived | grasp error (mm) | otherwise |", "| --- | --- | --- | --- | --- | --- | --- |"]
+    lines = ["| robot | base | joints | width (m) | object (kg) | arrived | grasp error (mm) | otherwise |", "| --- | --- | --- | --- | --- | --- | --- | --- |"]
     for name, told in all_told.items():
         title, base, _ = TITLES[name]
         checked = told["checked"]
         others = ", ".join(f"{count} {outcome} ({plant})" for (plant, outcome), count in told["others"].items())
         lines.append(
             f"| [{title}](gallery/{file_of(name)}.md) | {base or checked['drive']['kind']} | {len(checked['joints'])} | {checked['postures'][0]['needed_width_m']:.2f} "
-            f"| {told['arrived']} of {len(told['rows'])} | {1000 * told['error_m']:.1f} | {others or '-'} |"
+            f"| {told['object_kg']:.1f} | {told['arrived']} of {len(told['rows'])} | {1000 * told['error_m']:.1f} | {others or '-'} |"
         )
     return lines
 

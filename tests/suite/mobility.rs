@@ -142,5 +142,7 @@ fn a_telescope_beside_the_axis_carries() {
 fn wide(world: &Path) -> Scenario {
     let text = std::fs::read_to_string(world).expect("the world");
     let parsed = cocarry::world::World::parse("wide.toml", &text).unwrap_or_else(|error| panic!("{error}"));
-    Scenario { world: GivenWorld::from(parsed), ..Scenario::defaults() }
+    let mut scenario = Scenario { world: GivenWorld::from(parsed), ..Scenario::defaults() };
+    scenario.settings.speed = 1.0;
+    scenario
 }
