@@ -24,7 +24,7 @@ const SHORT_LOOK_AHEADS_M: [f64; 2] = [0.2, 0.12];
 const LOOK_OUT_S: f64 = 1.2;
 /// How far (m) the base may overlap an obstacle: the base is narrower than its disc, or than the polygon
 /// around its shapes.
-const LOOK_OUT_TOLERANCE_M: f64 = 0.005;
+pub const LOOK_OUT_TOLERANCE_M: f64 = 0.005;
 /// Gain of the spacing between base and grasp, 1/s.
 const SPACING_GAIN: f64 = 1.0;
 /// Gain of the turn on the spot toward a path in another direction, 1/s.

@@ -22,7 +22,8 @@ mod settings;
 pub use candidates::{Candidate, CandidateSet, Neighbourhood};
 pub use closed_form::{ClosedForm, ModalReference};
 pub use follow::{
-    Follower, GUIDE_PRICE, TURN_PRICE, keep_near, rolled, seen_from_base, set_base, turn_toward_grasp,
+    Follower, GUIDE_PRICE, LOOK_OUT_TOLERANCE_M, TURN_PRICE, keep_near, rolled, seen_from_base, set_base,
+    turn_toward_grasp,
 };
 pub use intent::Intent;
 pub use limits::{BaseInputs, HalfPlane, Limits};

@@ -1,7 +1,7 @@
 //! The base of a team with bodies follows the path of its grasp; the arm does the rest.
 
 use super::hitch::Hitch;
-use crate::control::{BaseInputs, Follower, HORIZON, Manipulator};
+use crate::control::{BaseInputs, Follower, HORIZON, LOOK_OUT_TOLERANCE_M, Manipulator};
 use crate::geometry::{PlanarPose, Point, angle_of};
 use crate::plant::Seen;
 use crate::robot::{BaseInput, Configuration, Drive};
@@ -9,6 +9,11 @@ use crate::team::{PathAhead, TEAM_ACCELERATION, Walk};
 
 /// The share of the rims' largest acceleration that the base plans with.
 const RIM_SHARE: f64 = 0.8;
+/// Where the base is hitched: at this share of the distance between base and grasp, ahead of the base; the
+/// remainder is behind the grasp, on the object's line. Hitched at the grasp itself, the object could not
+/// turn far without the wrist out of reach, and the base could not follow a bend narrower than the whole
+/// distance.
+const HITCH_SHARE: f64 = 0.6;
 /// The least distance of the grasp from a differential base's axis that counts, m.
 const MIN_LATERAL_OFFSET_M: f64 = 1e-3;
 
@@ -19,8 +24,11 @@ pub struct Guide {
     distance: f64,
     /// Initial bearing of the grasp from straight ahead of the base, rad; 0 on a differential base.
     bearing: f64,
-    /// Lateral offset of a differential base to the right of the grasp's path, m; constant.
-    lateral_offset: f64,
+    /// Whether a differential base follows the grasp like a trailer rather than the path of the grasp: because it holds
+    /// the grasp to its side, and so has to go back inside of a bend, or because its arm moves the grasp to the side
+    /// only about a hinge.
+    is_trailer: bool,
+    is_beside: bool,
     /// Acceleration of the rims that the base plans with, m/s^2.
     rim_acceleration: f64,
     /// How the base follows a grasp whose reference is not on a path.
@@ -41,27 +49,24 @@ impl Guide {
         let (distance, bearing) = if is_free { (held.norm(), angle_of(held)) } else { (held.x, 0.0) };
         let lateral_offset = if is_free || held.y.abs() < MIN_LATERAL_OFFSET_M { 0.0 } else { held.y };
         let rim_acceleration = RIM_SHARE * rim_acceleration;
+        let hinge = if is_free { None } else { robot.hinge(&posture) };
+        let usual = HITCH_SHARE * distance;
+        // at the hinge, such an arm need not move its grasp to the side, but the base cuts corners
+        let hitched = hinge.map_or(usual, |hinge| (hinge + usual) / 2.0);
         Self {
             distance,
             bearing,
-            lateral_offset,
+            is_trailer: lateral_offset != 0.0 || hinge.is_some(),
+            is_beside: lateral_offset != 0.0,
             rim_acceleration,
-            hitch: Hitch::new([distance, lateral_offset, bearing], rim_acceleration),
+            hitch: Hitch::new([hitched, lateral_offset, bearing], distance - hitched, rim_acceleration),
             way: Vec::with_capacity(64),
         }
     }
 
-    /// The guide of a base that has no room for its arm to make up for its turning: one that holds the grasp to its
-    /// side. `None` for others.
-    pub fn of_lateral(manipulator: &Manipulator) -> Option<Self> {
-        let guide = Self::new(manipulator, f64::INFINITY);
-        (guide.lateral_offset != 0.0).then_some(guide)
-    }
-
-    /// Whether the base moves beside the path of its grasp: then it cannot follow that path, since inside of a bend it
-    /// has to go back.
-    pub fn is_beside(&self) -> bool {
-        self.lateral_offset != 0.0
+    /// The guide of a base that takes any speed at once, if it follows the grasp like a trailer.
+    pub fn of_trailer(manipulator: &Manipulator) -> Option<Self> {
+        Some(Self::new(manipulator, f64::INFINITY)).filter(|guide| guide.is_trailer)
     }
 
     /// Inputs with which the base follows a grasp that goes from `grasp` through `poses`, one per `period`
@@ -90,17 +95,31 @@ impl Guide {
     }
 
     /// Inputs with which the base follows the path of the grasp, where the human is seen to walk at `speed`
-    /// (m/s).
+    /// (m/s); or the grasp, which goes from `grasp` through `poses`, like a trailer. Along the path, the base keeps
+    /// clear of obstacles, so that one that need not trail does not where it would be too near to one.
     pub fn inputs(
         &mut self,
         seen: &Seen<'_>,
         walk: &dyn Walk,
         ahead: &PathAhead<'_>,
         speed: f64,
+        (grasp, poses): (&PlanarPose, &[PlanarPose; HORIZON]),
         manipulator: &Manipulator<'_>,
         period: f64,
     ) -> Option<BaseInputs> {
         let bodies = seen.bodies?;
+        let Manipulator { robot, obstacles, .. } = *manipulator;
+        if self.is_trailer {
+            let trailing = self.following(seen, (grasp, poses), &robot.drive, period)?;
+            let mut at = bodies.configuration.base;
+            let mut is_clear = |input: &BaseInput| {
+                at = robot.drive.roll(&at, &(input * period));
+                obstacles.has_room(&at, &robot.footprint, LOOK_OUT_TOLERANCE_M)
+            };
+            if self.is_beside || trailing.iter().all(&mut is_clear) {
+                return Some(trailing);
+            }
+        }
         let speeds = walk.grasp_way(seen, ahead, speed, &mut self.way)?;
         let follower = Follower {
             way: &self.way,
@@ -109,10 +128,10 @@ impl Guide {
             rim_acceleration: self.rim_acceleration,
             distance: self.distance,
             bearing: self.bearing,
-            footprint: &manipulator.robot.footprint,
-            obstacles: manipulator.obstacles,
+            footprint: &robot.footprint,
+            obstacles,
         };
         let base = &bodies.configuration.base;
-        Some(follower.inputs(&manipulator.robot.drive, base, bodies.base_rates, period))
+        Some(follower.inputs(&robot.drive, base, bodies.base_rates, period))
     }
 }

@@ -4,11 +4,6 @@ use crate::control::{BaseInputs, HORIZON};
 use crate::geometry::{PlanarPose, Point, Vector, direction, left_of, wrap_angle};
 use crate::robot::{BaseInput, BaseTwist, Drive};
 
-/// Where the base is hitched: at this share of the distance between base and grasp, ahead of the base; the
-/// remainder is behind the grasp, on the object's line. Hitched at the grasp itself, the object could not
-/// turn far without the wrist out of reach, and the base could not follow a bend narrower than the whole
-/// distance.
-const HITCH_SHARE: f64 = 0.6;
 /// Gain of the distance between the two points, 1/s.
 const HITCH_GAIN: f64 = 1.0;
 /// The periods over which the velocity of the hitch is the mean: the base does not follow what is faster.
@@ -36,11 +31,10 @@ pub(super) struct Hitch {
 }
 
 impl Hitch {
-    /// The hitch of a base that holds the grasp in the manipulator's posture at the distance `ahead` (m) and at
-    /// `left` (m), both in the direction of `bearing` (rad).
-    pub fn new([ahead, left, bearing]: [f64; 3], rim_acceleration: f64) -> Self {
-        let hitched = HITCH_SHARE * ahead;
-        Self { ahead: hitched, left, behind: ahead - hitched, bearing, rim_acceleration }
+    /// The hitch at `ahead` (m) of the base and at `left` (m), both in the direction of `bearing` (rad), and `behind`
+    /// (m) the grasp on the object's line.
+    pub fn new([ahead, left, bearing]: [f64; 3], behind: f64, rim_acceleration: f64) -> Self {
+        Self { ahead, left, behind, bearing, rim_acceleration }
     }
 
     /// Inputs with which the base follows a grasp that goes from `grasp` through `poses`, one per `period`
@@ -124,7 +118,7 @@ mod tests {
     /// rate (rad/s).
     fn towed(drive: &Drive, rate: f64) -> [f64; 3] {
         const PERIOD: f64 = 0.2;
-        let hitch = Hitch::new([0.75, 0.0, 0.0], 1.2);
+        let hitch = Hitch::new([0.45, 0.0, 0.0], 0.3, 1.2);
         let begin = PlanarPose { position: Point::new(0.75, 0.0), yaw: 0.0 };
         let next = |pose: PlanarPose| {
             let yaw = pose.yaw + rate * PERIOD;

@@ -29,8 +29,8 @@ const RECONFIGURATION_SHARE: f64 = 0.25;
 /// eq. (7) lets the base help.
 const HELPING_PRICE: f64 = 100.0;
 
-/// Weight of the squared deviation (m/s) of a free base's inputs from those that follow a grasp to its side.
-const BESIDE_PRICE: f64 = 10.0;
+/// Weight of the squared deviation (m/s) of a free base's inputs from those that follow the grasp like a trailer.
+const TRAILER_PRICE: f64 = 10.0;
 
 /// Largest correction (m and rad) of the linear model of eq. (7).
 const MAX_CORRECTION: f64 = 0.01;
@@ -45,8 +45,8 @@ pub struct Predictive<'a> {
     references: References,
     /// How the base follows the path of the grasp; none where it is free.
     guide: Option<Guide>,
-    /// How a free base follows a grasp that it holds to its side.
-    lateral: Option<Guide>,
+    /// How a free base follows its grasp like a trailer, if it does.
+    trailer: Option<Guide>,
     /// The solver of eq. (8).
     poses: PoseOptimiser,
     /// The constraints of eq. (7), set anew for every solution.
@@ -77,7 +77,7 @@ impl<'a> Predictive<'a> {
             manipulator,
             period: pace.period,
             references: References::new(concentration, pace, options),
-            lateral: if guide.is_none() { Guide::of_lateral(&manipulator) } else { None },
+            trailer: if guide.is_none() { Guide::of_trailer(&manipulator) } else { None },
             guide,
             poses: PoseOptimiser::default(),
             limits: Limits::new(manipulator.robot),
@@ -141,18 +141,17 @@ impl<'a> Predictive<'a> {
 
     /// Inputs that a free base prefers, and the prices of others; none where it prefers none.
     fn preferred(&self, target: &Configuration, grasp: &Pose) -> Option<(BaseInputs, BaseInput)> {
-        let lateral =
-            self.following_beside(target, grasp).map(|inputs| (inputs, BaseInput::repeat(BESIDE_PRICE)));
+        let trailing = self.trailing(target, grasp).map(|inputs| (inputs, BaseInput::repeat(TRAILER_PRICE)));
         let turning = || self.turning_free_base(target, grasp);
-        lateral.or_else(|| turning().map(|inputs| (inputs, BaseInput::new(0.0, 0.0, TURN_PRICE))))
+        trailing.or_else(|| turning().map(|inputs| (inputs, BaseInput::new(0.0, 0.0, TURN_PRICE))))
     }
 
-    /// Inputs with which a free base follows a grasp that it holds to its side.
+    /// Inputs with which a free base follows its grasp like a trailer.
     ///
     /// DEVIATION (eq. 7): with the weights of eq. (7) alone, such a base turns all the time, since turning moves
     /// its grasp ahead, until its arm has come to its limits.
-    fn following_beside(&self, target: &Configuration, grasp: &Pose) -> Option<BaseInputs> {
-        let guide = self.lateral.as_ref()?;
+    fn trailing(&self, target: &Configuration, grasp: &Pose) -> Option<BaseInputs> {
+        let guide = self.trailer.as_ref()?;
         let at = PlanarPose::from_above(grasp);
         let poses = self.references.poses(&at);
         Some(guide.following_at_once(&target.base, (&at, &poses), &self.manipulator.robot.drive, self.period))
@@ -274,10 +273,10 @@ impl Controller for Predictive<'_> {
         let base = guide.and_then(|guide| match &self.references.given {
             // a policy's reference need not be on the path
             Some(poses) => guide.following(seen, (&grasp, poses), &robot.drive, period),
-            None if guide.is_beside() => {
-                guide.following(seen, (&grasp, &self.references.poses(&grasp)), &robot.drive, period)
+            None => {
+                let poses = self.references.poses(&grasp);
+                guide.inputs(seen, way.walk, &ahead, speed, (&grasp, &poses), manipulator, period)
             }
-            None => guide.inputs(seen, way.walk, &ahead, speed, manipulator, period),
         });
         if let Some(base) = &base {
             for reference in &mut self.references.references {

@@ -129,7 +129,7 @@ impl Robot {
 
     /// How far ahead of the axle the base turns while the grasp stays where it is, if it cannot turn about any
     /// place, m.
-    fn hinge(&self, joints: &JointVector) -> Option<f64> {
+    pub(crate) fn hinge(&self, joints: &JointVector) -> Option<f64> {
         let there = self.kinematics(&Self::at_origin(joints));
         let at = there.grasp.translation.vector;
         // the base, moved ahead in place of the wheels' second column; its turning is what is to be made up for
