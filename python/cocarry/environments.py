@@ -16,7 +16,8 @@ the option executed (m, eq. 1), its subjective cost to this human (cost units, e
 ``CarryEnv`` says what an episode of ``cocarry/Carry-v1`` is charged that ends without arriving.
 
 An episode is terminated when it arrives, fails (collided, stuck, dropped, object-lost, non-finite) or has no way, and
-truncated when its steps run out. The observation at the end of an episode is that of its last step. ``info`` then has
+truncated when its steps run out. ``cocarry/Carry-v1`` charges that like a failure, so that it terminates the episode, and only
+``max_episode_steps`` truncates one. The observation at the end of an episode is that of its last step. ``info`` then has
 ``outcome`` and ``summary``, the figures of the episode. After a reset it has the episode's ``world`` (an index),
 ``world_name``, ``seed``, ``alpha``, ``gamma`` and number of ``options``.
 

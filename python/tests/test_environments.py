@@ -127,6 +127,16 @@ def test_truncation_is_not_termination():
     assert ends == [(False, False)] * 4 + [(False, True)]
 
 
+def test_time_that_is_charged_for_terminates():
+    for keywords, end in (({"max_steps": 3}, (True, False)), ({"max_episode_steps": 3}, (False, True))):
+        environment = carry(worlds="environment-4", action="residual", **keywords)
+        environment.reset(seed=0)
+        steps = [environment.step(np.zeros(environment.action_space.shape)) for _ in range(3)]
+        assert [step[2:4] for step in steps] == [(False, False)] * 2 + [end]
+        # what is charged is far more than what a step costs
+        assert (steps[-1][1] < 100 * steps[0][1]) == end[0]
+
+
 def singles(name, count, keywords, mode):
     make = lambda: gymnasium.make(name, disable_env_checker=True, **keywords).unwrapped  # noqa: E731
     return SyncVectorEnv([make] * count, autoreset_mode=mode)

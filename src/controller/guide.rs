@@ -100,8 +100,7 @@ impl Guide {
     pub fn inputs(
         &mut self,
         seen: &Seen<'_>,
-        walk: &dyn Walk,
-        ahead: &PathAhead<'_>,
+        (walk, ahead): (&dyn Walk, &PathAhead<'_>),
         speed: f64,
         (grasp, poses): (&PlanarPose, &[PlanarPose; HORIZON]),
         manipulator: &Manipulator<'_>,

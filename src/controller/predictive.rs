@@ -275,7 +275,7 @@ impl Controller for Predictive<'_> {
             Some(poses) => guide.following(seen, (&grasp, poses), &robot.drive, period),
             None => {
                 let poses = self.references.poses(&grasp);
-                guide.inputs(seen, way.walk, &ahead, speed, (&grasp, &poses), manipulator, period)
+                guide.inputs(seen, (way.walk, &ahead), speed, (&grasp, &poses), manipulator, period)
             }
         });
         if let Some(base) = &base {

@@ -5,6 +5,7 @@ use crate::drafts::{NONE, Urdf, Y, Z, found};
 use crate::support::{cocarry, json, stderr};
 use cocarry::robot::Robot;
 use cocarry::scenario::{GivenWorld, Plant, PlantKind, RobotSetup, Scenario};
+use cocarry::world::World;
 use std::path::Path;
 
 /// A lift with a telescope to the right and a wrist, as a mast on two wheels has them.
@@ -139,9 +140,25 @@ fn a_telescope_beside_the_axis_carries() {
     }
 }
 
+/// An object that is held low is not on the floor.
+#[test]
+fn an_object_held_low_is_not_dropped() {
+    let robot = hinged(0.05).drafted(&found()).robot;
+    assert!(robot.grasp_height < 0.4, "{}", robot.grasp_height);
+    let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(&robot));
+    let text = "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [0, 0]\ntarget_m = [9, 0]\n";
+    let world = World::parse("w.toml", text).unwrap_or_else(|error| panic!("{error}"));
+    let mut scenario = Scenario { plant, world: GivenWorld::from(world), ..Scenario::defaults() };
+    scenario.settings.tick_limit = Some(20);
+    let prepared = scenario.prepare().unwrap_or_else(|error| panic!("{error}"));
+    let mut episode = prepared.episode().unwrap_or_else(|error| panic!("{error}"));
+    while episode.step().is_none() {}
+    assert_eq!(episode.summary().outcome.name(), "out-of-time", "after {} steps", episode.summary().steps);
+}
+
 fn wide(world: &Path) -> Scenario {
     let text = std::fs::read_to_string(world).expect("the world");
-    let parsed = cocarry::world::World::parse("wide.toml", &text).unwrap_or_else(|error| panic!("{error}"));
+    let parsed = World::parse("wide.toml", &text).unwrap_or_else(|error| panic!("{error}"));
     let mut scenario = Scenario { world: GivenWorld::from(parsed), ..Scenario::defaults() };
     scenario.settings.speed = 1.0;
     scenario

@@ -136,6 +136,8 @@ fn another(setting: &Setting, defaults: &Scenario) -> Value {
     let texts = if words.is_empty() { texts.to_vec() } else { words };
     let texts = match setting.key {
         "posture" => vec!["elbow-out"],
+        // as fast as the robot can, or slower
+        "speed_m_per_s" => vec!["0.4"],
         // an option that every world has
         "lead_option" => vec!["1"],
         // a whole fraction of the planning step and of another one

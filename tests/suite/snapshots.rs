@@ -245,7 +245,7 @@ fn an_episode_that_is_stuck_stays_so() {
     // wheels that hardly turn: the arm stretches by 9 cm, nearly enough to lose the object
     physics.rate_hz = 240.0;
     let mut texts = carrier.robot.texts().clone();
-    texts.urdf = texts.urdf.replace("velocity=\"17.4\"", "velocity=\"0.1\"");
+    texts.urdf = texts.urdf.replace("velocity=\"17.4\"", "velocity=\"0.001\"");
     carrier.robot = texts.into();
     let whole = prepared(scenario(plant, Method::ROBOT_LED));
     let end = rest(whole.episode().unwrap_or_else(|e| panic!("{e}")));

@@ -182,11 +182,12 @@ impl Lane {
             *subjective = so_far;
             let ended = rules.begin(prepared, episode, bound, observation);
             let steps = episode.summary().steps;
-            let truncated =
-                ended == Some(Outcome::OutOfTime) || (ended.is_none() && rules.is_long(steps, bound));
-            let terminated = ended.is_some_and(|outcome| outcome != Outcome::OutOfTime);
-            // a caller's own limit is not an end of the task
-            let is_over = terminated || ended.is_some() || bound.is_some_and(|bound| steps >= bound.steps);
+            // time that runs out is charged like any failure, and so ends the task; a caller's own limit does not
+            let is_late = |bound: &Bound| ended == Some(Outcome::OutOfTime) || steps >= bound.steps;
+            let terminated =
+                bound.is_some_and(is_late) || ended.is_some_and(|outcome| outcome != Outcome::OutOfTime);
+            let truncated = !terminated && (ended.is_some() || rules.is_long(steps, bound));
+            let is_over = terminated || ended.is_some();
             let reward = rules.reward(*costs, bound, (steps, is_over, ended == Some(Outcome::Arrived)));
             running.outcome = ended;
             if rules.tells_built_in {

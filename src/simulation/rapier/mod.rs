@@ -3,7 +3,7 @@
 //!
 //! The robot stands behind and the human ahead. The object's x axis points from the robot to the human. Both
 //! ends are at the robot's grasp height, so the object is level. There is no floor: the base moves in its
-//! plane, and an object below 0.2 m counts as dropped. The same inputs and seed give the same bits, also
+//! plane, and an object below 0.2 m, or below half of the height at which it is held, counts as dropped. The same inputs and seed give the same bits, also
 //! after the plant was serialised and read back.
 
 mod accumulator;
@@ -40,8 +40,10 @@ use noise::Coefficients;
 use rapier3d::prelude::{PhysicsPipeline, PhysicsWorld, RigidBodyHandle};
 use scene::Scene;
 
-/// Height (m) of the object's centre below which the object counts as dropped.
+/// Height (m) of the object's centre below which the object counts as dropped, and the share of its carrying height
+/// where that is lower.
 const DROPPED_HEIGHT_M: f64 = 0.2;
+const DROPPED_SHARE: f64 = 0.5;
 /// Speed (m/s or rad/s) beyond which a body counts as diverging.
 const DIVERGING_SPEED: f64 = 1000.0;
 /// How often a step is made again at most until all motors keep their limits.
@@ -253,7 +255,8 @@ impl PhysicalPlant {
             self.failure = Some(Failure::NonFinite { body: body.clone() });
             return None;
         }
-        let low = self.world.bodies.get(self.object)?.translation().z < DROPPED_HEIGHT_M;
+        let lowest = DROPPED_HEIGHT_M.min(DROPPED_SHARE * self.height);
+        let low = self.world.bodies.get(self.object)?.translation().z < lowest;
         if low && self.failure.is_none() {
             self.failure = Some(Failure::Dropped);
         }
