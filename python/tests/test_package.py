@@ -233,7 +233,7 @@ def test_notebooks_show_episodes_worlds_and_tables():
     assert episode._repr_html_().startswith("<iframe srcdoc=")
     assert "</script>" in episode.to_html("ten steps")
     assert cocarry.World()._repr_svg_().startswith("<svg")
-    assert "<th>step</th>" in episode.ticks(3)._repr_html_()
+    assert '<th title="k, from 0">step</th>' in episode.ticks(3)._repr_html_()
 
 
 STUDY = {"worlds": ["environment-1", "environment-4"], "plants": "point", "methods": ["mutual", "without-model"], "seeds": 6}
