@@ -120,8 +120,9 @@ impl Scenario {
         };
         let joints = robot.as_deref().zip(self.plant.robot_setup());
         let joints = joints.and_then(|(robot, setup)| Some((robot, robot.posture(&setup.posture)?.joints)));
-        let slow_drive =
-            joints.and_then(|(robot, joints)| team::slow_drive(robot, &joints, self.settings.speed));
+        let has_bodies = self.plant.physics().is_some();
+        let slow_drive = joints
+            .and_then(|(robot, joints)| team::slow_drive(robot, &joints, self.settings.speed, has_bodies));
         if let Some(slow) = &slow_drive {
             self.settings.speed = slow.walked;
         }

@@ -27,10 +27,11 @@ const DRIVE_SHARE: f64 = 0.8;
 /// No team walks more slowly for its robot, m/s: one that is slower still stays behind.
 const LEAST_SPEED: f64 = 0.05;
 
-/// The largest walking speed of a team whose robot starts in a posture, m/s: at it, the drive goes round bends.
-fn walking_speed(robot: &Robot, joints: &JointVector) -> f64 {
+/// The largest walking speed of a team whose robot starts in a posture, m/s: at it, the drive goes round bends with this
+/// share of its largest speed.
+fn walking_speed(robot: &Robot, joints: &JointVector, share: f64) -> f64 {
     let Drive { rim_speed_limit, track, .. } = robot.drive;
-    let most = DRIVE_SHARE * rim_speed_limit;
+    let most = share * rim_speed_limit;
     // the outer rim is so far from the grasp's path
     let lever = if robot.drive.is_omnidirectional() { 0.0 } else { track / 2.0 };
     let lever = lever + robot.kept_offset(joints).abs();
@@ -38,11 +39,13 @@ fn walking_speed(robot: &Robot, joints: &JointVector) -> f64 {
     (most / (1.0 + lever * MAX_TURN_RAD_PER_M)).max(most - lever * BEND_RATE).max(LEAST_SPEED)
 }
 
-/// A warning if the drive of a robot that starts in a posture is too slow for a team that walks at `speed` (m/s).
-pub fn slow_drive(robot: &Robot, joints: &JointVector, speed: f64) -> Option<SlowDrive> {
-    let walked = walking_speed(robot, joints);
+/// A warning if the drive of a robot that starts in a posture is too slow for a team that walks at `speed` (m/s): with
+/// bodies if nothing would be left for catching up, without them if the drive itself cannot go round bends.
+pub fn slow_drive(robot: &Robot, joints: &JointVector, speed: f64, has_bodies: bool) -> Option<SlowDrive> {
+    let walked = walking_speed(robot, joints, DRIVE_SHARE);
+    let most = if has_bodies { walked } else { walking_speed(robot, joints, 1.0) };
     let Drive { rim_speed_limit: limit, wheel_radius, .. } = robot.drive;
-    (walked < speed).then(|| SlowDrive {
+    (most < speed).then(|| SlowDrive {
         robot: robot.name.clone(),
         limit,
         wheel_radius: if robot.drive.is_omnidirectional() { 0.0 } else { wheel_radius },

@@ -189,7 +189,8 @@ fn remarks(robot: &Robot) -> Vec<String> {
         ));
     }
     let speed = Settings::default().speed;
-    let slow = robot.postures.iter().filter_map(|posture| team::slow_drive(robot, &posture.joints, speed));
+    let slow =
+        robot.postures.iter().filter_map(|posture| team::slow_drive(robot, &posture.joints, speed, true));
     let mut slow: Vec<String> = slow.map(|slow| slow.to_string()).collect();
     slow.dedup();
     remarks.extend(slow);

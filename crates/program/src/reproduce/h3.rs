@@ -55,8 +55,9 @@ pub(super) fn reproduce_h3(arguments: &H3Arguments) -> Result<(), Failure> {
     let inputs = [&robot.texts.file, &robot.texts.urdf_file].map(Path::new);
     let outputs = arguments.overwrite.outputs(inputs, files)?;
     let settings = Settings::default();
+    let has_bodies = arguments.plant == PlantKind::Rapier;
     for posture in &robot.postures {
-        team::slow_drive(&robot, &posture.joints, settings.speed).iter().for_each(warn);
+        team::slow_drive(&robot, &posture.joints, settings.speed, has_bodies).iter().for_each(warn);
     }
     let default = if arguments.plant == PlantKind::Rapier { EPISODES / 5 } else { EPISODES };
     let episodes = arguments.episodes.map_or(default, |n| n as usize);
