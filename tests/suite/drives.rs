@@ -245,7 +245,7 @@ fn a_base_is_never_driven_as_something_else() {
     // a slow base is told without wheels that it does not name
     let slow = free("base_speed_limit_m_s = 0.3\nbase_turn_limit_rad_s = 2");
     let slow = loaded(&Files::new().with(TOML, TWO_WHEELS, &slow));
-    let warning = slow_drive(&slow, &slow.postures[0].joints, 0.5).expect("slow").to_string();
+    let warning = slow_drive(&slow, &slow.postures[0].joints, 0.5, true).expect("slow").to_string();
     assert!(warning.contains("base drives 0.300 m/s at most (base_speed_limit_m_s)"), "{warning}");
 }
 
