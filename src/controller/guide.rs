@@ -14,8 +14,19 @@ const RIM_SHARE: f64 = 0.8;
 /// turn far without the wrist out of reach, and the base could not follow a bend narrower than the whole
 /// distance.
 const HITCH_SHARE: f64 = 0.6;
-/// The least distance of the grasp from a differential base's axis that counts, m.
-const MIN_LATERAL_OFFSET_M: f64 = 1e-3;
+
+/// What a base follows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Follows {
+    /// The path of the grasp.
+    Path,
+    /// The grasp, like a trailer, where that leads to no obstacle, and else its path: a differential base whose
+    /// arm moves the grasp to the side only about a hinge.
+    GraspWhereClear,
+    /// The grasp, like a trailer: a differential base that holds it to its side, and has to go back inside of a
+    /// bend.
+    Grasp,
+}
 
 /// Where the base keeps relative to the grasp's path.
 #[derive(Clone, Debug)]
@@ -24,11 +35,7 @@ pub struct Guide {
     distance: f64,
     /// Initial bearing of the grasp from straight ahead of the base, rad; 0 on a differential base.
     bearing: f64,
-    /// Whether a differential base follows the grasp like a trailer rather than the path of the grasp: because it holds
-    /// the grasp to its side, and so has to go back inside of a bend, or because its arm moves the grasp to the side
-    /// only about a hinge.
-    is_trailer: bool,
-    is_beside: bool,
+    follows: Follows,
     /// Acceleration of the rims that the base plans with, m/s^2.
     rim_acceleration: f64,
     /// How the base follows a grasp whose reference is not on a path.
@@ -47,26 +54,29 @@ impl Guide {
         let held = robot.grasp_pose(&configuration).translation.vector.xy();
         let is_free = robot.drive.is_omnidirectional();
         let (distance, bearing) = if is_free { (held.norm(), angle_of(held)) } else { (held.x, 0.0) };
-        let lateral_offset = if is_free || held.y.abs() < MIN_LATERAL_OFFSET_M { 0.0 } else { held.y };
-        let rim_acceleration = RIM_SHARE * rim_acceleration;
+        let offset = robot.kept_offset(&posture);
         let hinge = if is_free { None } else { robot.hinge(&posture) };
         let usual = HITCH_SHARE * distance;
         // at the hinge, such an arm need not move its grasp to the side, but the base cuts corners
         let hitched = hinge.map_or(usual, |hinge| (hinge + usual) / 2.0);
+        let rim_acceleration = RIM_SHARE * rim_acceleration;
         Self {
             distance,
             bearing,
-            is_trailer: lateral_offset != 0.0 || hinge.is_some(),
-            is_beside: lateral_offset != 0.0,
+            follows: match hinge {
+                _ if offset != 0.0 => Follows::Grasp,
+                Some(_) => Follows::GraspWhereClear,
+                None => Follows::Path,
+            },
             rim_acceleration,
-            hitch: Hitch::new([hitched, lateral_offset, bearing], distance - hitched, rim_acceleration),
+            hitch: Hitch::new([hitched, offset, bearing], distance - hitched, rim_acceleration),
             way: Vec::with_capacity(64),
         }
     }
 
     /// The guide of a base that takes any speed at once, if it follows the grasp like a trailer.
     pub fn of_trailer(manipulator: &Manipulator) -> Option<Self> {
-        Some(Self::new(manipulator, f64::INFINITY)).filter(|guide| guide.is_trailer)
+        Some(Self::new(manipulator, f64::INFINITY)).filter(|guide| guide.follows != Follows::Path)
     }
 
     /// Inputs with which the base follows a grasp that goes from `grasp` through `poses`, one per `period`
@@ -95,8 +105,7 @@ impl Guide {
     }
 
     /// Inputs with which the base follows the path of the grasp, where the human is seen to walk at `speed`
-    /// (m/s); or the grasp, which goes from `grasp` through `poses`, like a trailer. Along the path, the base keeps
-    /// clear of obstacles, so that one that need not trail does not where it would be too near to one.
+    /// (m/s); or the grasp, which goes from `grasp` through `poses`, like a trailer.
     pub fn inputs(
         &mut self,
         seen: &Seen<'_>,
@@ -108,14 +117,14 @@ impl Guide {
     ) -> Option<BaseInputs> {
         let bodies = seen.bodies?;
         let Manipulator { robot, obstacles, .. } = *manipulator;
-        if self.is_trailer {
+        if self.follows != Follows::Path {
             let trailing = self.following(seen, (grasp, poses), &robot.drive, period)?;
             let mut at = bodies.configuration.base;
             let mut is_clear = |input: &BaseInput| {
                 at = robot.drive.roll(&at, &(input * period));
                 obstacles.has_room(&at, &robot.footprint, LOOK_OUT_TOLERANCE_M)
             };
-            if self.is_beside || trailing.iter().all(&mut is_clear) {
+            if self.follows == Follows::Grasp || trailing.iter().all(&mut is_clear) {
                 return Some(trailing);
             }
         }

@@ -31,8 +31,8 @@ pub(super) struct Hitch {
 }
 
 impl Hitch {
-    /// The hitch at `ahead` (m) of the base and at `left` (m), both in the direction of `bearing` (rad), and `behind`
-    /// (m) the grasp on the object's line.
+    /// The hitch at `ahead` (m) of the base and at `left` (m), both in the direction of `bearing` (rad), and
+    /// `behind` (m) the grasp on the object's line.
     pub fn new([ahead, left, bearing]: [f64; 3], behind: f64, rim_acceleration: f64) -> Self {
         Self { ahead, left, behind, bearing, rim_acceleration }
     }
@@ -147,8 +147,8 @@ mod tests {
 
     /// The grasp goes round a circle of 2 m at the rate w, so that the hitch on the object, b behind it, is at
     /// p = sqrt(2^2 + b^2) from the middle. The law of the hitch on the base, at h from the middle (complex
-    /// numbers), is i w h = V + G (p - h), where V = i w p (sin(m) / m) e^(i m) is the mean velocity of the next
-    /// periods and m half the angle in them. The base, a behind its hitch, goes at w sqrt(|h|^2 - a^2).
+    /// numbers), is i w h = V + G (p - h), where V = i w p (sin(m) / m) e^(i m) is the mean velocity of the
+    /// next periods and m half the angle in them. The base, a behind its hitch, goes at w sqrt(|h|^2 - a^2).
     #[test]
     fn closed_form_a_base_follows_as_a_trailer() {
         let drive = Robot::built_in().unwrap().drive;

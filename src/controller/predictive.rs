@@ -22,14 +22,15 @@ use nalgebra::Vector6;
 /// stays within the range of eq. (7)'s linear model, and rates are left for the grasp.
 const RECONFIGURATION_SHARE: f64 = 0.25;
 
-/// The largest price of a guided omnidirectional base's deviations whose arm alone does not move its grasp freely in
-/// the plane.
+/// The largest price of a guided omnidirectional base's deviations whose arm alone does not move its grasp
+/// freely in the plane.
 ///
-/// DEVIATION (eq. 7): of a base that only follows the path, such an arm is a decimetre off in bends; with this price,
-/// eq. (7) lets the base help.
+/// DEVIATION (eq. 7): of a base that only follows the path, such an arm is a decimetre off in bends; with this
+/// price, eq. (7) lets the base help.
 const HELPING_PRICE: f64 = 100.0;
 
-/// Weight of the squared deviation (m/s) of a free base's inputs from those that follow the grasp like a trailer.
+/// Weight of the squared deviation (m/s) of a free base's inputs from those that follow the grasp like a
+/// trailer.
 const TRAILER_PRICE: f64 = 10.0;
 
 /// Largest correction (m and rad) of the linear model of eq. (7).
@@ -148,8 +149,8 @@ impl<'a> Predictive<'a> {
 
     /// Inputs with which a free base follows its grasp like a trailer.
     ///
-    /// DEVIATION (eq. 7): with the weights of eq. (7) alone, such a base turns all the time, since turning moves
-    /// its grasp ahead, until its arm has come to its limits.
+    /// DEVIATION (eq. 7): with the weights of eq. (7) alone, such a base turns all the time, since turning
+    /// moves its grasp ahead, until its arm has come to its limits.
     fn trailing(&self, target: &Configuration, grasp: &Pose) -> Option<BaseInputs> {
         let guide = self.trailer.as_ref()?;
         let at = PlanarPose::from_above(grasp);

@@ -86,13 +86,13 @@ impl View<'_> {
         text
     }
 
-    /// The limits that kept the robot from keeping up: of effort in the episode, of speed and reach in its last step.
-    fn cause(&self) -> Option<String> {
+    /// The limits at which the robot was: of effort in the episode, of speed and reach in its last step.
+    fn reached_limits(&self) -> Option<String> {
         let (robot, tick) = self.prepared.robot().zip(self.episode.tick().robot)?;
-        let mut causes = Vec::new();
+        let mut reached = Vec::new();
         let share = self.episode.summary().interaction.map_or(0.0, |interaction| interaction.effort_share);
         if share >= AT_LIMIT {
-            causes.push(format!("effort: a motor of the arm at {:.0} % of its limit", 100.0 * share));
+            reached.push(format!("effort (a motor of the arm at {:.0} % of its own)", 100.0 * share));
         }
         let limits = robot.input_limits();
         let is_fast = |i: &usize| tick.input[*i].abs() >= AT_LIMIT * limits[*i];
@@ -102,7 +102,7 @@ impl View<'_> {
             .map(|i| if i < base { "the base" } else { &robot.joints[i - base].name })
             .collect();
         if !fast.is_empty() {
-            causes.push(format!("speed: {} at the largest rate", named(fast)));
+            reached.push(format!("speed ({} in the last step)", named(fast)));
         }
         let joints = robot.joints.iter().zip(tick.configuration.joints.iter());
         let ends: Vec<&str> = joints
@@ -110,9 +110,9 @@ impl View<'_> {
             .map(|(joint, _)| joint.name.as_str())
             .collect();
         if !ends.is_empty() {
-            causes.push(format!("reach: {} at the end of the range", named(ends)));
+            reached.push(format!("reach ({} in the last step)", named(ends)));
         }
-        (!causes.is_empty()).then(|| causes.join("; "))
+        (!reached.is_empty()).then(|| reached.join(", "))
     }
 
     /// Warnings about the episode: a grasp far from its reference, and a robot that touched itself.
@@ -122,25 +122,21 @@ impl View<'_> {
             .summary()
             .control
             .map(|control| (control.error_rms(self.episode.summary().steps), control));
-        let cause = self.cause();
+        let limits = self.reached_limits();
         let off = control.filter(|(rms, _)| *rms >= GRASP_WARNING_RMS_M).map(|(rms, control)| {
-            let why = match &cause {
-                Some(cause) => format!("the robot does not keep up ({cause})"),
-                None => "the robot does not keep up, or the hand leaves the path".to_owned(),
-            };
+            let limits = limits.as_ref().map_or(String::new(), |limits| format!("; the robot was at its limits of {limits}"));
             format!(
-                "the grasp is {:.1} cm (rms), {:.1} cm at most, from its reference on the planned path: {why}",
+                "the grasp is {:.1} cm (rms), {:.1} cm at most, from its reference on the planned path: the robot does not keep up, \
+                 or the hand leaves the path{limits}",
                 100.0 * rms,
                 100.0 * control.largest_error
             )
         });
         // told once
         let is_lost = off.is_none() && self.episode.summary().loss.is_some();
-        let off = off.or_else(|| {
-            cause
-                .filter(|_| is_lost)
-                .map(|cause| format!("the robot did not keep up in its last step ({cause})"))
-        });
+        let lost =
+            limits.filter(|_| is_lost).map(|limits| format!("the robot was at its limits of {limits}"));
+        let off = off.or(lost);
         off.into_iter().chain(self.self_contact()).collect()
     }
 }

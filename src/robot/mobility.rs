@@ -1,5 +1,5 @@
-//! How a robot moves its grasp from a posture: the directions that its arm lacks, the speeds in the plane that base
-//! and arm reach together, the width that it needs, and why it may not carry at all.
+//! How a robot moves its grasp from a posture: the directions that its arm lacks, the speeds in the plane that
+//! base and arm reach together, the width that it needs, and why it may not carry at all.
 
 use super::level::MIN_FREE;
 use super::{InputJacobian, InputVector, JointVector, MAX_INPUTS, MAX_JOINTS, Robot};
@@ -11,13 +11,13 @@ const DIRECTIONS: [&str; 6] =
     ["move it ahead", "move it sideways", "raise it", "roll it", "pitch it", "turn it"];
 /// Those of them in the plane.
 const IN_PLANE: [usize; 3] = [0, 1, 5];
-/// The largest part of a motion that may be missing for it to count as possible: the axes of calibrated URDFs are not
-/// quite parallel.
+/// The largest part of a motion that may be missing for it to count as possible: the axes of calibrated URDFs
+/// are not quite parallel.
 const TOLERANCE: f64 = 0.02;
 /// A grasp nearer to the base's axis is on it, m.
 const ON_AXIS_M: f64 = 1e-3;
-/// How far ahead of the axle the arm must turn its grasp at least, m: nearer, the base would have to turn on the
-/// spot at every step to the side.
+/// How far ahead of the axle the arm must turn its grasp at least, m: nearer, the base would have to turn on
+/// the spot at every step to the side.
 const MIN_HINGE_M: f64 = 0.02;
 /// Iterations of Lawson's algorithm, and the least weight in it.
 const STEPS: usize = 200;
@@ -96,15 +96,15 @@ impl std::fmt::Display for Immovable {
 }
 
 impl Robot {
-    /// The distance of the grasp to the left of the base's axis that the base keeps while it carries, m; 0 for an
-    /// omnidirectional base, which follows the grasp in any direction.
+    /// The distance of the grasp to the left of the base's axis that the base keeps while it carries, m; 0 for
+    /// an omnidirectional base, which follows the grasp in any direction.
     pub fn kept_offset(&self, joints: &JointVector) -> f64 {
         let lateral = self.drive_from_grasp(joints).translation.y;
         if self.drive.is_omnidirectional() || lateral.abs() < ON_AXIS_M { 0.0 } else { lateral }
     }
 
-    /// The width about the grasp's path that the robot needs from a posture, m: that of its base, or more where the
-    /// base moves beside the path.
+    /// The width about the grasp's path that the robot needs from a posture, m: that of its base, or more where
+    /// the base moves beside the path.
     pub fn carrying_width(&self, joints: &JointVector) -> f64 {
         let offset = self.kept_offset(joints);
         if offset == 0.0 {
@@ -137,12 +137,12 @@ impl Robot {
         columns.columns_mut(0, MAX_JOINTS).copy_from(&self.arm_jacobian(&there.jacobian));
         columns[(0, MAX_JOINTS)] = 1.0;
         let turned = Vector6::new(at.y, -at.x, 0.0, 0.0, 0.0, -1.0);
-        if Twist::new(&columns, &turned).is_some() {
+        if PossibleTwist::new(&columns, &turned).is_some() {
             return None;
         }
         columns[(1, MAX_JOINTS + 1)] = 1.0;
-        let motion = Twist::new(&columns, &turned)?;
-        Some(-motion.weighted(&InputVector::repeat(1.0))?[MAX_JOINTS + 1])
+        let turning = PossibleTwist::new(&columns, &turned)?;
+        Some(-turning.weighted(&InputVector::repeat(1.0))?[MAX_JOINTS + 1])
     }
 }
 
@@ -150,14 +150,14 @@ impl Robot {
 /// Chebyshev norm of the scaled inputs, by Lawson's algorithm (weighted least squares, whose weights grow with
 /// the inputs). `None` if no inputs have the twist.
 fn largest_share(jacobian: &InputJacobian, limits: &InputVector, twist: &Vector6<f64>) -> Option<f64> {
-    let mut motion = Twist::new(jacobian, twist)?;
-    for (mut column, limit) in motion.jacobian.column_iter_mut().zip(limits) {
+    let mut possible = PossibleTwist::new(jacobian, twist)?;
+    for (mut column, limit) in possible.jacobian.column_iter_mut().zip(limits) {
         column *= *limit;
     }
     let mut weights = InputVector::repeat(1.0);
     let mut least: Option<f64> = None;
     for _ in 0..STEPS {
-        let shares = motion.weighted(&weights)?;
+        let shares = possible.weighted(&weights)?;
         let largest = shares.amax();
         least = Some(least.map_or(largest, |least| least.min(largest)));
         weights
@@ -166,7 +166,8 @@ fn largest_share(jacobian: &InputJacobian, limits: &InputVector, twist: &Vector6
     least
 }
 
-/// The projection onto the directions of a matrix `J J'` in which J moves the grasp by more than imprecise axes do.
+/// The projection onto the directions of a matrix `J J'` in which J moves the grasp by more than imprecise axes
+/// do.
 fn possible(gram: &Matrix6<f64>) -> Matrix6<f64> {
     let eigen = gram.symmetric_eigen();
     let mut onto = Matrix6::zeros();
@@ -179,14 +180,14 @@ fn possible(gram: &Matrix6<f64>) -> Matrix6<f64> {
 }
 
 /// A twist that inputs can make, with their Jacobian, both without the directions that are not [`possible`].
-struct Twist {
+struct PossibleTwist {
     jacobian: InputJacobian,
     twist: Vector6<f64>,
     /// The projection onto those directions.
     impossible: Matrix6<f64>,
 }
 
-impl Twist {
+impl PossibleTwist {
     /// `None` if the twist has a part in those directions.
     fn new(jacobian: &InputJacobian, twist: &Vector6<f64>) -> Option<Self> {
         let onto = possible(&(jacobian * jacobian.transpose()));
@@ -199,7 +200,8 @@ impl Twist {
         })
     }
 
-    /// The inputs with the twist whose weighted squares have the least sum; `None` if the numbers do not allow it.
+    /// The inputs with the twist whose weighted squares have the least sum; `None` if the numbers do not allow
+    /// it.
     fn weighted(&self, weights: &InputVector) -> Option<InputVector> {
         let mut spread: SMatrix<f64, 6, MAX_INPUTS> = self.jacobian;
         for (mut column, weight) in spread.column_iter_mut().zip(weights) {

@@ -168,8 +168,8 @@ impl SelfContacts {
 impl Robot {
     /// Two links of the robot that touch each other with these joint positions, by more than a centimetre:
     /// indices into [`Robot::links`]. Links that do not move relative to each other, neighbours in the chain,
-    /// and links that touch in half of all configurations (with a wrist between them, in 15 %) do not count. Meshes
-    /// are their convex hulls.
+    /// and links that touch in half of all configurations (with a wrist between them, in 15 %) do not count.
+    /// Meshes are their convex hulls.
     /// `poses` is memory for the calculation, kept between calls.
     pub fn self_contact(&self, joints: &JointVector, poses: &mut Vec<Pose>) -> Option<[usize; 2]> {
         self.self_contacts.first(self, joints, poses)

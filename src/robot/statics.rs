@@ -1,5 +1,5 @@
-//! What an arm at rest can hold: the efforts J^T F of its motors under a load at the grasp. The arm's own weight is
-//! taken as compensated, as on the physical plant.
+//! What an arm at rest can hold: the efforts J^T F of its motors under a load at the grasp. The arm's own
+//! weight is taken as compensated, as on the physical plant.
 
 use super::{JointVector, Robot};
 use nalgebra::Vector6;
@@ -28,7 +28,8 @@ impl Robot {
         self.arm_jacobian(&kinematics.jacobian).tr_mul(&lift)
     }
 
-    /// The joint that limits what the arm holds at rest in these positions (rad or m): the load at the grasp, kg.
+    /// The joint that limits what the arm holds at rest in these positions (rad or m): the load at the grasp,
+    /// kg.
     /// `None` if no motor with a limit bears any of it.
     pub fn weakest_joint(&self, joints: &JointVector) -> Option<WeakestJoint<'_>> {
         let per_kilogram = self.holding_efforts(joints, 1.0);

@@ -239,8 +239,9 @@ impl PreparedScenario {
         widened.into_iter().chain(notes.map(ToString::to_string)).chain(holding).collect()
     }
 
-    /// How the arm holds its part of the object at rest in the posture of the start: the joint that limits it, and
-    /// the share of that joint's effort limit that it takes. `None` without a robot, or without such limits.
+    /// How the arm holds its part of the object at rest in the posture of the start: the joint that limits it,
+    /// and the share of that joint's effort limit that it takes. `None` without a robot, or without such
+    /// limits.
     fn holding(&self) -> Option<Holding<'_>> {
         let (robot, setup) = self.robot.as_deref().zip(self.scenario.plant.robot_setup())?;
         let posture = robot.posture(&setup.posture)?;

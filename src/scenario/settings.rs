@@ -462,7 +462,7 @@ pub const SETTINGS: &[Setting] = &[
         flag: "guide-price",
         path: "control.guide_price",
         group: Group::Control,
-        about: "Weight of the squared deviation of the base's inputs from those that follow the path; below 10000, eq. (8) decides them as well",
+        about: "Weight of the squared deviation of the base's inputs from those that follow the path; below 10000, eq. (8) decides them as well; at most 100 counts of an omnidirectional robot whose arm cannot move the grasp in every direction of the plane",
         applies: Applies::Bodies,
         kind: Kind::Number("", NOT_NEGATIVE, field!(robot r => r.control.guide_price)),
     },

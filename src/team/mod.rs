@@ -72,7 +72,8 @@ pub trait Walk: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
     /// s: the pose on the floor that the grasp should have now.
     fn grasp_goal(&self, seen: &Seen<'_>) -> PlanarPose;
 
-    /// The grasp's pose for a human who walks on without waiting for the robot; by default, [`Walk::grasp_goal`].
+    /// The grasp's pose for a human who walks on without waiting for the robot; by default,
+    /// [`Walk::grasp_goal`].
     fn intended_grasp(&self, step: &Step<'_>, seen: &Seen<'_>) -> PlanarPose {
         let _ = step;
         self.grasp_goal(seen)

@@ -27,8 +27,8 @@ const DRIVE_SHARE: f64 = 0.8;
 /// No team walks more slowly for its robot, m/s: one that is slower still stays behind.
 const LEAST_SPEED: f64 = 0.05;
 
-/// The largest walking speed of a team whose robot starts in a posture, m/s: at it, the drive goes round bends with this
-/// share of its largest speed.
+/// The largest walking speed of a team whose robot starts in a posture, m/s: at it, the drive goes round bends
+/// with this share of its largest speed.
 fn walking_speed(robot: &Robot, joints: &JointVector, share: f64) -> f64 {
     let Drive { rim_speed_limit, track, .. } = robot.drive;
     let most = share * rim_speed_limit;
@@ -39,8 +39,9 @@ fn walking_speed(robot: &Robot, joints: &JointVector, share: f64) -> f64 {
     (most / (1.0 + lever * MAX_TURN_RAD_PER_M)).max(most - lever * BEND_RATE).max(LEAST_SPEED)
 }
 
-/// A warning if the drive of a robot that starts in a posture is too slow for a team that walks at `speed` (m/s): with
-/// bodies if nothing would be left for catching up, without them if the drive itself cannot go round bends.
+/// A warning if the drive of a robot that starts in a posture is too slow for a team that walks at `speed`
+/// (m/s): with bodies if nothing would be left for catching up, without them if the drive itself cannot go
+/// round bends.
 pub fn slow_drive(robot: &Robot, joints: &JointVector, speed: f64, has_bodies: bool) -> Option<SlowDrive> {
     let walked = walking_speed(robot, joints, DRIVE_SHARE);
     let most = if has_bodies { walked } else { walking_speed(robot, joints, 1.0) };

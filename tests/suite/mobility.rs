@@ -1,5 +1,5 @@
-//! Arms that are short, telescoping or beside the base's axis: the directions that they lack, the speed and width of a
-//! team with them, and what is refused.
+//! Arms that are short, telescoping or beside the base's axis: the directions that they lack, the speed and
+//! width of a team with them, and what is refused.
 
 use crate::drafts::{NONE, Urdf, Y, Z, found};
 use crate::support::{cocarry, json, stderr};
@@ -45,8 +45,9 @@ fn dexterity_counts_directions_that_the_arm_lacks() {
     assert_eq!(robot.missing_motions(&robot.postures[0].joints), ["move it sideways", "roll it"]);
 }
 
-/// With the base's turning w and the hinge's -w, the grasp moves to the side at w times the hinge's distance d from
-/// the axle; turning at w in place, at r from the hinge, takes -w r / d of the base and w (1 + r / d) of the hinge.
+/// With the base's turning w and the hinge's -w, the grasp moves to the side at w times the hinge's distance d
+/// from the axle; turning at w in place, at r from the hinge, takes -w r / d of the base and w (1 + r / d) of
+/// the hinge.
 #[test]
 fn closed_form_speeds_of_a_hinged_arm() {
     let robot = hinged(0.05).drafted(&found()).robot;
@@ -105,7 +106,8 @@ fn scaled(factor: f64, width: f64) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// The base moves beside the path of the grasp: the team needs that much more room, walks more slowly, and arrives.
+/// The base moves beside the path of the grasp: the team needs that much more room, walks more slowly, and
+/// arrives.
 #[test]
 fn a_telescope_beside_the_axis_carries() {
     let (folder, urdf) = beside().written();
@@ -131,6 +133,26 @@ fn a_telescope_beside_the_axis_carries() {
         let prepared = scenario.prepare().unwrap_or_else(|error| panic!("{error}"));
         let slow = prepared.slow_drive().map(ToString::to_string).unwrap_or_default();
         assert!(slow.contains("m beside the grasp's path"), "{slow}");
+        let mut episode = prepared.episode().unwrap_or_else(|error| panic!("{error}"));
+        while episode.step().is_none() {}
+        let summary = episode.summary();
+        assert_eq!(summary.outcome.name(), "arrived", "{kind:?} after {} steps", summary.steps);
+        let error = summary.control.map_or(0.0, |control| control.error_rms(summary.steps));
+        assert!(error < 0.03, "{kind:?}: {error} m");
+    }
+}
+
+/// An arm that moves its grasp to the side only about a hinge goes round bends: the base trails the grasp.
+#[test]
+fn a_hinged_arm_carries_round_bends() {
+    let robot = hinged(0.05).drafted(&found()).robot;
+    let folder = tempfile::tempdir().expect("a folder");
+    let world = folder.path().join("wide.toml");
+    std::fs::write(&world, scaled(2.0, 0.5)).expect("a file");
+    for kind in [PlantKind::Kinematic, PlantKind::Rapier] {
+        let mut scenario = Scenario { plant: Plant::new(kind, RobotSetup::new(&robot)), ..wide(&world) };
+        scenario.settings.speed = Scenario::defaults().settings.speed;
+        let prepared = scenario.prepare().unwrap_or_else(|error| panic!("{error}"));
         let mut episode = prepared.episode().unwrap_or_else(|error| panic!("{error}"));
         while episode.step().is_none() {}
         let summary = episode.summary();

@@ -182,7 +182,7 @@ impl Lane {
             *subjective = so_far;
             let ended = rules.begin(prepared, episode, bound, observation);
             let steps = episode.summary().steps;
-            // time that runs out is charged like any failure, and so ends the task; a caller's own limit does not
+            // time that runs out is charged like any failure, and so ends the task, unlike a caller's own limit
             let is_late = |bound: &Bound| ended == Some(Outcome::OutOfTime) || steps >= bound.steps;
             let terminated =
                 bound.is_some_and(is_late) || ended.is_some_and(|outcome| outcome != Outcome::OutOfTime);

@@ -3,8 +3,8 @@
 //!
 //! The robot stands behind and the human ahead. The object's x axis points from the robot to the human. Both
 //! ends are at the robot's grasp height, so the object is level. There is no floor: the base moves in its
-//! plane, and an object below 0.2 m, or below half of the height at which it is held, counts as dropped. The same inputs and seed give the same bits, also
-//! after the plant was serialised and read back.
+//! plane, and an object below 0.2 m, or below half of the height at which it is held, counts as dropped. The
+//! same inputs and seed give the same bits, also after the plant was serialised and read back.
 
 mod accumulator;
 mod articulation;
@@ -40,8 +40,8 @@ use noise::Coefficients;
 use rapier3d::prelude::{PhysicsPipeline, PhysicsWorld, RigidBodyHandle};
 use scene::Scene;
 
-/// Height (m) of the object's centre below which the object counts as dropped, and the share of its carrying height
-/// where that is lower.
+/// Height (m) of the object's centre below which the object counts as dropped, and the share of its carrying
+/// height where that is lower.
 const DROPPED_HEIGHT_M: f64 = 0.2;
 const DROPPED_SHARE: f64 = 0.5;
 /// Speed (m/s or rad/s) beyond which a body counts as diverging.
@@ -201,8 +201,8 @@ impl PhysicalPlant {
         Some(())
     }
 
-    /// Steps the world such that the arm's motors keep their limits: where one exceeds its own, the step is made
-    /// again with this effort. `None` if the result is not sound.
+    /// Steps the world such that the arm's motors keep their limits: where one exceeds its own, the step is
+    /// made again with this effort. `None` if the result is not sound.
     fn step_within_limits(&mut self) -> Option<()> {
         let mut before = copy_of(&self.world);
         self.world.step();
