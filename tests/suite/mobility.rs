@@ -148,7 +148,7 @@ fn a_hinged_arm_carries_round_bends() {
     let robot = hinged(0.05).drafted(&found()).robot;
     let folder = tempfile::tempdir().expect("a folder");
     let world = folder.path().join("wide.toml");
-    std::fs::write(&world, scaled(2.0, 0.5)).expect("a file");
+    std::fs::write(&world, scaled(1.0, 0.5)).expect("a file");
     for kind in [PlantKind::Kinematic, PlantKind::Rapier] {
         let mut scenario = Scenario { plant: Plant::new(kind, RobotSetup::new(&robot)), ..wide(&world) };
         scenario.settings.speed = Scenario::defaults().settings.speed;
