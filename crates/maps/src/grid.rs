@@ -123,19 +123,24 @@ impl Grid {
     ) -> Vec<bool> {
         let (width, cells) = (self.width, self.cells.len());
         let mut is_reached = vec![false; cells];
-        let mut queue: Vec<usize> = from.into_iter().filter(|i| is_open(*i)).collect();
-        queue.iter().for_each(|i| is_reached[*i] = true);
-        while let Some(i) = queue.pop() {
-            let column = i % width;
-            let neighbours = [
-                (column > 0).then(|| i - 1),
-                (column + 1 < width).then_some(i + 1),
-                i.checked_sub(width),
-                Some(i + width).filter(|i| *i < cells),
-            ];
-            for next in neighbours.into_iter().flatten() {
-                if is_open(next) && !std::mem::replace(&mut is_reached[next], true) {
-                    queue.push(next);
+        let mut seeds: Vec<usize> = from.into_iter().filter(|i| is_open(*i)).collect();
+        while let Some(seed) = seeds.pop() {
+            if is_reached[seed] {
+                continue;
+            }
+            // the whole run of open cells of a row at once
+            let row = seed - seed % width;
+            let run = (row..seed).rev().take_while(|i| is_open(*i)).last().unwrap_or(seed)
+                ..(seed..row + width).find(|i| !is_open(*i)).unwrap_or(row + width);
+            is_reached[run.clone()].fill(true);
+            // and a cell of every run that begins beside it
+            for beside in [run.start.checked_sub(width), Some(run.start + width).filter(|i| *i < cells)] {
+                let mut is_inside = false;
+                for i in beside.into_iter().flat_map(|begin| begin..begin + run.len()) {
+                    let was_inside = std::mem::replace(&mut is_inside, is_open(i) && !is_reached[i]);
+                    if is_inside && !was_inside {
+                        seeds.push(i);
+                    }
                 }
             }
         }
@@ -168,6 +173,35 @@ mod tests {
                 };
                 assert_eq!(found, (0..width * height).any(|j| is_marked(j) && near(j)), "{i} {radius}");
             }
+        }
+    }
+
+    #[test]
+    fn property_what_is_connected_is_what_spreads_from_cell_to_cell() {
+        let (width, height) = (29, 23);
+        let cells = vec![Cell::Free; width * height];
+        let grid = Grid { width, height, resolution: 1.0, origin: [0.0; 3], cells };
+        for seed in 0..50 {
+            let is_open = |i: usize| !(i + seed).wrapping_mul(2654435761).is_multiple_of(2 + seed % 3);
+            let from = [seed, 200 + seed, 600];
+            let mut spread: Vec<bool> =
+                (0..width * height).map(|i| from.contains(&i) && is_open(i)).collect();
+            loop {
+                let next: Vec<bool> = (0..spread.len())
+                    .map(|i| {
+                        let beside = (i % width > 0 && spread[i - 1])
+                            || (i % width + 1 < width && spread[i + 1])
+                            || (i >= width && spread[i - width])
+                            || spread.get(i + width).copied().unwrap_or(false);
+                        is_open(i) && (spread[i] || beside)
+                    })
+                    .collect();
+                if next == spread {
+                    break;
+                }
+                spread = next;
+            }
+            assert_eq!(grid.connected(from, is_open), spread, "{seed}");
         }
     }
 
