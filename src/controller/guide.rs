@@ -15,13 +15,16 @@ const RIM_SHARE: f64 = 0.8;
 /// distance.
 const HITCH_SHARE: f64 = 0.6;
 
+/// The way ahead and back (m) below which an arm has no room for what a bend asks of it.
+const LITTLE_REACH_M: f64 = 0.25;
+
 /// What a base follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Follows {
     /// The path of the grasp.
     Path,
     /// The grasp, like a trailer, where that leads to no obstacle, and else its path: a differential base whose
-    /// arm moves the grasp to the side only about a hinge.
+    /// arm moves the grasp to the side only about a hinge, or ahead and back by little.
     GraspWhereClear,
     /// The grasp, like a trailer: a differential base that holds it to its side, and has to go back inside of a
     /// bend.
@@ -66,6 +69,9 @@ impl Guide {
             follows: match hinge {
                 _ if offset != 0.0 => Follows::Grasp,
                 Some(_) => Follows::GraspWhereClear,
+                None if !is_free && robot.reach(&posture).length() < LITTLE_REACH_M => {
+                    Follows::GraspWhereClear
+                }
                 None => Follows::Path,
             },
             rim_acceleration,

@@ -63,6 +63,12 @@ impl FromStr for ModelName {
             let (known, hint) = (forms.join(", "), suggestion::hint(name, forms));
             Error::new(format!("unknown human model `{name}`; expected one of: {known}{hint}"))
         })?;
+        if arguments.is_empty() && model.form != model.name {
+            return Err(Error::new(format!(
+                "human model `{name}` has no arguments; expected {}",
+                model.form
+            )));
+        }
         Ok(Self { model, arguments: arguments.to_owned() })
     }
 }

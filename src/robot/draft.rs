@@ -37,7 +37,7 @@ const OTHER_HEIGHTS_M: [f64; 12] = [0.4, 0.35, 0.3, 0.25, 0.2, 0.15, 1.2, 1.3, 1
 /// Radius of the balls around an arm's joints that eq. (7) keeps off obstacles, m.
 const ARM_RADIUS_M: f64 = 0.08;
 /// How far an arm's shapes may be outside these balls for a base that is narrower than its disc, m. In an
-/// opening as narrow as the base, such an arm would touch the walls.
+/// opening as narrow as the base, such an arm would touch the walls; a disc is as wide as what is farther out.
 const MAX_OUTSIDE_M: f64 = 0.05;
 
 /// Room of a posture, as [`Found`] has it, with which no other height is tried.
@@ -259,7 +259,11 @@ fn attempt(robot: Robot, holds: Vec<Hold>, heights: &[f64], places: Places) -> R
     });
     let best = narrow.or_else(|| {
         let best = best_postures(&robot, heights, &disc.footprint, places)?;
-        Some((disc, best))
+        let mut wide = disc;
+        wide.widen(
+            2.0 * postures::half_width_outside_balls(&robot, &best.1[0].joints, ARM_RADIUS_M, MAX_OUTSIDE_M),
+        );
+        Some((wide, best))
     });
     match best {
         Some((base_size, (height, found))) => Ok(Attempt { robot, holds, base_size, height, found }),

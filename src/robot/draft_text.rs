@@ -137,13 +137,19 @@ impl BaseSize {
     /// The assumption about it, in words.
     pub fn told(&self, robot: &Robot) -> String {
         let width = self.width;
+        let disc = Self::disc_around(robot).width;
+        let with_arm = |across: f64| match across < width {
+            true => format!(", and {width:.2} m with its arm"),
+            false => String::new(),
+        };
         let Footprint::Polygon(_) = self.footprint else {
+            let (disc, arm) = (disc.min(width), with_arm(disc));
             return format!(
-                "the base is {width:.2} m wide: a disc about the axle around its collision shapes"
+                "the base is {disc:.2} m wide{arm}: a disc about the axle around its collision shapes"
             );
         };
         let across = centimetres(footprint::across(&self.footprint));
-        let arm = if across < width { format!(", and {width:.2} m with its arm") } else { String::new() };
+        let arm = with_arm(across);
         format!(
             "the base is {across:.2} m wide{arm}: its collision shapes seen from above; a disc about the axle would be {:.2} m wide",
             2.0 * robot.base_extent().expect("the outline is that of collision shapes")

@@ -243,18 +243,42 @@ pub(super) fn arm_half_width(robot: &Robot, joints: &JointVector, radius: f64) -
 /// How far the arm's collision shapes are outside the balls of this radius (m) that eq. (7) keeps off
 /// obstacles, m. What is nearest to the grasp does not count: it is ahead.
 pub(super) fn outside_balls(robot: &Robot, joints: &JointVector, radius: f64) -> f64 {
+    let mut farthest: f64 = 0.0;
+    on_corners_outside(robot, joints, radius, |outside, _| farthest = farthest.max(outside));
+    farthest
+}
+
+/// The largest distance from the middle of the base to either side (m) of what is more than `allowed` m outside
+/// these balls; 0 if nothing is.
+pub(super) fn half_width_outside_balls(
+    robot: &Robot,
+    joints: &JointVector,
+    radius: f64,
+    allowed: f64,
+) -> f64 {
+    let mut widest: f64 = 0.0;
+    on_corners_outside(robot, joints, radius, |outside, lateral| {
+        if outside > allowed {
+            widest = widest.max(lateral);
+        }
+    });
+    widest
+}
+
+/// Calls `on_corner` for what is outside these balls: by how much, and how far from the middle of the base to
+/// either side, m.
+fn on_corners_outside(robot: &Robot, joints: &JointVector, radius: f64, mut on_corner: impl FnMut(f64, f64)) {
     let mut balls = Vec::new();
     robot.arm_points(&Robot::at_origin(joints), BALL_SPACING_M, |at, _| balls.push(at));
-    let mut farthest = radius;
     on_arm_corners(robot, joints, |corner, of_corner| {
         let distances = balls.iter().map(|ball| (ball - corner).norm()).enumerate();
         if let Some((nearest, distance)) = distances.min_by(|a, b| a.1.total_cmp(&b.1))
             && nearest + 1 < balls.len()
+            && distance + of_corner > radius
         {
-            farthest = farthest.max(distance + of_corner);
+            on_corner(distance + of_corner - radius, corner.y.abs() + of_corner);
         }
     });
-    farthest - radius
 }
 
 /// Calls `on_corner` for points of the collision shapes of the links from the base to the grasp, each with a

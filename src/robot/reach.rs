@@ -1,7 +1,7 @@
 //! How far a robot can carry, and how much room a posture leaves.
 
 use super::level::FULL;
-use super::{Configuration, JointVector, Posture, Robot, collision, footprint};
+use super::{Configuration, JointVector, Robot, collision, footprint};
 use crate::geometry::{PlanarPose, Point, Pose};
 use nalgebra::{Rotation3, Vector3};
 use rand_chacha::ChaCha8Rng;
@@ -23,6 +23,13 @@ pub struct Reach {
     pub nearest: f64,
     /// Farthest x.
     pub farthest: f64,
+}
+
+impl Reach {
+    /// The way from one to the other, m.
+    pub fn length(&self) -> f64 {
+        self.farthest - self.nearest
+    }
 }
 
 /// Random configurations by which a span is known, and the share by which it may be larger.
@@ -134,8 +141,8 @@ impl Robot {
     }
 
     /// The reach from a posture, to 1 cm. The arm ends at a limit of a joint or where it is stretched.
-    pub fn reach(&self, posture: &Posture) -> Reach {
-        let start = Self::at_origin(&posture.joints);
+    pub fn reach(&self, posture: &JointVector) -> Reach {
+        let start = Self::at_origin(posture);
         let pose = self.grasp_pose(&start);
         let walk = |by: f64| {
             let (mut at, mut end) = (start, pose.translation.x);

@@ -25,6 +25,7 @@ import xml.etree.ElementTree as ET
 
 import cbor2
 import coal
+import motors
 import numpy
 import pages
 import pinocchio
@@ -77,13 +78,15 @@ OWN = ["porter", "shuttle"]
 ROBOTS = pathlib.Path(__file__).resolve().parents[2] / "assets/robots"
 WORLDS = [f"environment-{i}" for i in (1, 2, 3, 4)]
 MAX_DIFFERENCE = 1e-9
+# of the loads that motors are shown to hold and not to hold in MuJoCo, from what `robot check` says
+LOAD_MARGIN = 0.03
 # of a hull from its mesh, as a share of the mesh's diagonal
 MAX_HULL_DIFFERENCE = 0.02
 # of a mesh in parts: the cubes that these are made of, along the mesh's longest extent
 CUBES = 63
 MIN_SHARE_ARRIVED = 0.95
 # Robots known to stay below it, with what they reach; the book's page says why
-SHORT = {"tiago_dual": 0.5, "panda": 0.75}
+SHORT: dict[str, float] = {}
 # An arm for which no posture is found
 NO_POSTURE = ["talos_arm"]
 MIN_ROBOTS, MIN_OMNIDIRECTIONAL = 8, 3
@@ -150,6 +153,14 @@ def grasp_in_tool(robot: dict) -> pinocchio.SE3:
     return pinocchio.SE3(pinocchio.rpy.rpyToMatrix(rpy), numpy.array(robot.get("grasp_xyz_m", [0.0, 0, 0])))
 
 
+def held(robot: dict) -> dict[str, float]:
+    """The positions (rad or m) of a robot file's joints under `[hold]`."""
+    return {
+        name: entry["position_m"] if "position_m" in entry else numpy.radians(entry["angle_deg"])
+        for name, entry in robot.get("hold", {}).items()
+    }
+
+
 def differences(urdf: pathlib.Path, file: pathlib.Path, checked: dict) -> dict[str, float]:
     """The largest differences of `robot check --json` from pinocchio: frames (m and 1), mass (kg), and what the postures hold (a share)."""
     robot = tomllib.loads(file.read_text())
@@ -158,11 +169,7 @@ def differences(urdf: pathlib.Path, file: pathlib.Path, checked: dict) -> dict[s
     worst = held_by = 0.0
     for posture in checked["postures"]:
         q = pinocchio.neutral(model)
-        held = {
-            name: entry["position_m"] if "position_m" in entry else numpy.radians(entry["angle_deg"])
-            for name, entry in robot.get("hold", {}).items()
-        }
-        for name, value in (held | posture["joints"]).items():
+        for name, value in (held(robot) | posture["joints"]).items():
             joint = model.joints[model.getJointId(name)]
             of_circle = [numpy.cos(value), numpy.sin(value)]
             q[joint.idx_q : joint.idx_q + joint.nq] = of_circle if joint.nq == 2 else [value]
@@ -362,6 +369,7 @@ class Gallery:
             return
         differs = differences(urdf, file, checked)
         self.check(max(differs.values()) <= MAX_DIFFERENCE, f"{name}: differs from pinocchio: {differs}")
+        self.holds(name, urdf, tomllib.loads(file.read_text()), checked)
         width, mass = checked["postures"][0]["needed_width_m"], object_mass(checked["postures"][0])
         snapshot = self.work / f"{name}.snapshot"
         rows = self.episodes(name, file, width, mass)
@@ -386,6 +394,20 @@ class Gallery:
             + "".join(f"; {count} {outcome} ({plant})" for (plant, outcome), count in others.items()),
             flush=True,
         )
+
+    def holds(self, name: str, urdf: pathlib.Path, robot: dict, checked: dict) -> None:
+        """In MuJoCo, motors with the same limits hold a little less than `robot check` says, and yield to a little more."""
+        limits = {joint["name"]: joint["effort_limit"] for joint in checked["joints"]}
+        for posture in checked["postures"]:
+            if posture["holds_kg"] is None:
+                continue
+            grasp = (robot["grasp_frame"], grasp_in_tool(robot).translation)
+            below, above = (
+                motors.hung(urdf.read_bytes(), grasp, held(robot) | posture["joints"], limits, share * posture["holds_kg"])
+                for share in (1 - LOAD_MARGIN, 1 + LOAD_MARGIN)
+            )
+            is_as_said = not below.yields and above.yields and {below.joint, above.joint} == {posture["weakest_joint"]}
+            self.check(is_as_said, f"{name}, {posture['name']}: holds {posture['holds_kg']:.2f} kg by {posture['weakest_joint']}; in MuJoCo {below}, {above}")
 
     def episodes(self, name: str, file: pathlib.Path, width: float, mass: float) -> list[dict]:
         """Rows of episodes in worlds as wide as the robot needs, with an object of this mass (kg)."""

@@ -119,7 +119,7 @@ struct PostureRow<'a> {
 fn rows(robot: &Robot) -> Vec<PostureRow<'_>> {
     let row = |posture| {
         let Posture { joints, .. }: &Posture = posture;
-        let (at, reach) = (robot.drive_from_grasp(joints).translation.vector, robot.reach(posture));
+        let (at, reach) = (robot.drive_from_grasp(joints).translation.vector, robot.reach(joints));
         let tightest = robot.limit_clearance(joints).map(|(i, share)| (robot.joints[i].name.as_str(), share));
         PostureRow {
             posture,
