@@ -55,6 +55,8 @@ def hung(text: bytes, grasp: tuple[str, numpy.ndarray], positions: dict[str, flo
     whose motors hold them within these limits (Nm or N). Links have no weight, as in the physical plant; every other
     joint is held without a limit."""
     readable_text, mimics = readable(text)
+    # what it warns of, such as equal limits, would go to a file here
+    mujoco.set_mju_user_warning(lambda warning: None)
     spec = mujoco.MjSpec.from_string(readable_text)
     spec.compiler.degree = False
     spec.option.timestep = 1e-3

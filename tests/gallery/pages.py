@@ -57,8 +57,13 @@ def terms(package: pathlib.Path) -> tuple[str, str]:
 
 
 def has_picture(name: str, told: dict) -> bool:
-    """Whether nobody forbids changed versions of a robot's description; of repositories, none is shown."""
-    return name in OWN or name in TITLES and name not in TABLE["robot"] and not re.search("NoDeriv|NonCommercial", told["urdf"].read_text())
+    """Whether nobody forbids changed versions of a robot's description, or pictures that are sold, and its repository has
+    its meshes."""
+    if name in TABLE["robot"]:
+        entry = TABLE["robot"][name]
+        licence = TABLE["repository"][entry["repository"]]["licence"]
+        return entry.get("pictured", True) and not re.search("NC|ND", licence)
+    return name in OWN or name in TITLES and not re.search("NoDeriv|NonCommercial", told["urdf"].read_text())
 
 
 def pictures(all_told: dict[str, dict], cocarry, work: pathlib.Path) -> None:
@@ -127,10 +132,10 @@ def page(name: str, told: dict, robots: pathlib.Path, seeds: int) -> str:
     elif name in TABLE["robot"]:
         repository = TABLE["robot"][name]["repository"]
         pinned = TABLE["repository"][repository]
-        lines += [
-            f"Description: <https://github.com/{repository}>, commit {pinned['commit'][:12]}. Licence: {pinned['licence']}. There is no picture of its meshes here;",
-            "`cocarry robot check robot.toml --render robot.html` shows it, where the repository is at hand.", "",
-        ]
+        lines += [f"Description: <https://github.com/{repository}>, commit {pinned['commit'][:12]}. Licence: {pinned['licence']}."]
+        if not has_picture(name, told):
+            lines += ["There is no picture of its meshes here; `cocarry robot check robot.toml --render robot.html` shows it, where the repository is at hand."]
+        lines += [""]
     else:
         upstream, licence = terms(package_of(told, robots))
         lines += [f"Description: <{upstream}>, as in `example-robot-data` 6.0.0. Licence, by its readme: {licence}.", ""]

@@ -2,7 +2,8 @@
 //! width of a team with them, and what is refused.
 
 use crate::drafts::{NONE, Urdf, Y, Z, found};
-use crate::support::{cocarry, json, stderr};
+use crate::spoiled_robot::{TOML, URDF, original};
+use crate::support::{cocarry, json, repository, stderr};
 use cocarry::robot::Robot;
 use cocarry::scenario::{GivenWorld, Plant, PlantKind, RobotSetup, Scenario};
 use cocarry::world::World;
@@ -151,6 +152,34 @@ fn a_hinged_arm_carries_round_bends() {
     std::fs::write(&world, scaled(1.0, 0.5)).expect("a file");
     for kind in [PlantKind::Kinematic, PlantKind::Rapier] {
         let mut scenario = Scenario { plant: Plant::new(kind, RobotSetup::new(&robot)), ..wide(&world) };
+        scenario.settings.speed = Scenario::defaults().settings.speed;
+        let prepared = scenario.prepare().unwrap_or_else(|error| panic!("{error}"));
+        let mut episode = prepared.episode().unwrap_or_else(|error| panic!("{error}"));
+        while episode.step().is_none() {}
+        let summary = episode.summary();
+        assert_eq!(summary.outcome.name(), "arrived", "{kind:?} after {} steps", summary.steps);
+        let error = summary.control.map_or(0.0, |control| control.error_rms(summary.steps));
+        assert!(error < 0.03, "{kind:?}: {error} m");
+    }
+}
+
+/// An elbow that hardly bends leaves the arm 0.1 m of reach: the base trails the grasp, on both plants.
+#[test]
+fn an_arm_of_little_reach_carries_round_bends() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let limits = r#"lower="-2.251" upper="2.251""#;
+    let urdf = original(URDF);
+    assert_eq!(urdf.matches(limits).count(), 1);
+    std::fs::write(folder.path().join(URDF), urdf.replace(limits, r#"lower="1.5" upper="1.85""#))
+        .expect("a file");
+    let file = folder.path().join(TOML);
+    std::fs::write(&file, original(TOML)).expect("a file");
+    let robot = Robot::load(&file).unwrap_or_else(|error| panic!("{error}"));
+    let reach = robot.reach(&robot.postures[0].joints);
+    assert!((0.05..0.25).contains(&reach.length()), "{reach:?}");
+    for kind in [PlantKind::Kinematic, PlantKind::Rapier] {
+        let plant = Plant::new(kind, RobotSetup::new(&robot));
+        let mut scenario = Scenario { plant, ..wide(&repository("worlds/environment-1.toml")) };
         scenario.settings.speed = Scenario::defaults().settings.speed;
         let prepared = scenario.prepare().unwrap_or_else(|error| panic!("{error}"));
         let mut episode = prepared.episode().unwrap_or_else(|error| panic!("{error}"));

@@ -347,7 +347,7 @@ fn the_command_line_takes_human_models() {
     assert_eq!(run("boltzmann(1000)")["first_option"], run("preference")["first_option"]);
     for (model, said) in [
         ("robot", "must be one of \"preference\", \"boltzmann(RATIONALITY)\""),
-        ("boltzmann", "a number greater than 0"),
+        ("boltzmann", "did you mean `boltzmann(RATIONALITY)`?"),
         ("boltzmann(-1)", "a number greater than 0"),
         ("scripted(5:1)", "the first at step 0"),
         ("scripted(0:9)", "unknown option `9`"),
