@@ -163,7 +163,8 @@ fn a_hinged_arm_carries_round_bends() {
     }
 }
 
-/// An elbow that hardly bends leaves the arm 0.1 m of reach: the base trails the grasp, on both plants.
+/// An elbow that hardly bends leaves the arm 0.1 m of reach: the base trails the grasp. With bodies, it is 4 mm
+/// off, and would be 14 if its base followed the path.
 #[test]
 fn an_arm_of_little_reach_carries_round_bends() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -187,7 +188,7 @@ fn an_arm_of_little_reach_carries_round_bends() {
         let summary = episode.summary();
         assert_eq!(summary.outcome.name(), "arrived", "{kind:?} after {} steps", summary.steps);
         let error = summary.control.map_or(0.0, |control| control.error_rms(summary.steps));
-        assert!(error < 0.03, "{kind:?}: {error} m");
+        assert!(error < 0.01, "{kind:?}: {error} m");
     }
 }
 
