@@ -18,8 +18,8 @@ export const EPISODES = [
   ["kinematic, whole body", { world: "environment-3", plant: "kinematic", settings: { pose: "whole-body", pose_weight: 2, avoid: "robot" } }],
   // weights with which the active-set method of eq. (7) does not converge: clarabel solves 135 programs (tests/suite/web.rs)
   ["kinematic, fallback", { world: "environment-1", plant: "kinematic", settings: { ...STIFF, control_period_s: 0.05 } }],
-  // and one without a solution: `fallback_steps` of its summary is 1
-  ["kinematic, no solution", { world: "environment-3", plant: "kinematic", settings: { ...STIFF, speed_m_per_s: 1 } }],
+  // and two without a solution: `fallback_steps` of its summary is 2
+  ["kinematic, no solution", { world: "environment-2", plant: "kinematic", settings: { ...STIFF, speed_m_per_s: 0.7 } }],
   ["bodies", { world: "environment-1" }],
   ["bodies, learning", { world: "environment-4", alpha: 0.747, gamma: 0.765, settings: { ...learn, eta: 5 } }],
   ["bodies, omni", { world: "environment-2", robot: "omni-carrier", belief: { alpha: "normal(0.75,0.1,0.55,0.95)" } }],
