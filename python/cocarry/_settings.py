@@ -91,7 +91,7 @@ class Settings(TypedDict, total=False):
     """Concentration of the von Mises distribution of the walking direction on an option. Default: 20.0."""
 
     guide_price: float
-    """Weight of the squared deviation of the base's inputs from those that follow the path; below 10000, eq. (8) decides them as well. Default: 10000.0."""
+    """Weight of the squared deviation of the base's inputs from those that follow the path; below 10000, eq. (8) decides them as well; at most 100 counts of an omnidirectional robot whose arm cannot move the grasp in every direction of the plane. Default: 10000.0."""
 
     guide_width_m: float
     """How far the base may be from where following the path takes it, in metres; 1000000: no bound. Default: 1000000.0."""
