@@ -15,7 +15,8 @@ const RIM_SHARE: f64 = 0.8;
 /// distance.
 const HITCH_SHARE: f64 = 0.6;
 
-/// The way ahead and back (m) below which an arm has no room for what a bend asks of it.
+/// The way ahead and back (m) below which an arm is taken to have no room for what a bend asks of it: TIAGo dual's,
+/// of 0.22 m, has not; UR3's, of 0.35 m, has.
 const LITTLE_REACH_M: f64 = 0.25;
 
 /// What a base follows.
@@ -80,9 +81,10 @@ impl Guide {
         }
     }
 
-    /// The guide of a base that takes any speed at once, if it follows the grasp like a trailer.
+    /// The guide of a base that takes any speed at once, if eq. (7) alone would turn it away.
     pub fn of_trailer(manipulator: &Manipulator) -> Option<Self> {
-        Some(Self::new(manipulator, f64::INFINITY)).filter(|guide| guide.follows != Follows::Path)
+        let turns_away = manipulator.robot.turns_away(&manipulator.posture);
+        turns_away.then(|| Self::new(manipulator, f64::INFINITY))
     }
 
     /// Inputs with which the base follows a grasp that goes from `grasp` through `poses`, one per `period`

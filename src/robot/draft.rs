@@ -259,11 +259,11 @@ fn attempt(robot: Robot, holds: Vec<Hold>, heights: &[f64], places: Places) -> R
     });
     let best = narrow.or_else(|| {
         let best = best_postures(&robot, heights, &disc.footprint, places)?;
-        let mut wide = disc;
-        wide.widen(
-            2.0 * postures::half_width_outside_balls(&robot, &best.1[0].joints, ARM_RADIUS_M, MAX_OUTSIDE_M),
-        );
-        Some((wide, best))
+        let joints = &best.1[0].joints;
+        let half_width = postures::half_width_outside_balls(&robot, joints, ARM_RADIUS_M, MAX_OUTSIDE_M);
+        let mut disc = disc;
+        disc.widen(2.0 * half_width);
+        Some((disc, best))
     });
     match best {
         Some((base_size, (height, found))) => Ok(Attempt { robot, holds, base_size, height, found }),

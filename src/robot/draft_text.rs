@@ -90,9 +90,12 @@ pub(super) fn euler(rotation: &Rotation3<f64>) -> Vector3<f64> {
     Vector3::new(roll, pitch, yaw).map(|a| (a.to_degrees() * 10.0).round() / 10.0 + 0.0)
 }
 
+/// What a width may lie above whole centimetres by rounding, cm.
+const ROUNDING_CM: f64 = 1e-9;
+
 /// A width (m), rounded up.
 fn centimetres(width: f64) -> f64 {
-    (width * 100.0).ceil() / 100.0
+    (width * 100.0 - ROUNDING_CM).ceil() / 100.0
 }
 
 /// The outline of a base, and the width that its robot needs, m.
@@ -136,23 +139,16 @@ impl BaseSize {
 
     /// The assumption about it, in words.
     pub fn told(&self, robot: &Robot) -> String {
-        let width = self.width;
-        let disc = Self::disc_around(robot).width;
-        let with_arm = |across: f64| match across < width {
-            true => format!(", and {width:.2} m with its arm"),
-            false => String::new(),
-        };
+        let (width, across) = (self.width, centimetres(footprint::across(&self.footprint)));
+        let arm = if across < width { format!(", and {width:.2} m with its arm") } else { String::new() };
         let Footprint::Polygon(_) = self.footprint else {
-            let (disc, arm) = (disc.min(width), with_arm(disc));
             return format!(
-                "the base is {disc:.2} m wide{arm}: a disc about the axle around its collision shapes"
+                "the base is {across:.2} m wide{arm}: a disc about the axle around its collision shapes"
             );
         };
-        let across = centimetres(footprint::across(&self.footprint));
-        let arm = with_arm(across);
         format!(
             "the base is {across:.2} m wide{arm}: its collision shapes seen from above; a disc about the axle would be {:.2} m wide",
-            2.0 * robot.base_extent().expect("the outline is that of collision shapes")
+            centimetres(2.0 * robot.base_extent().expect("the outline is that of collision shapes"))
         )
     }
 }

@@ -248,8 +248,8 @@ pub(super) fn outside_balls(robot: &Robot, joints: &JointVector, radius: f64) ->
     farthest
 }
 
-/// The largest distance from the middle of the base to either side (m) of what is more than `allowed` m outside
-/// these balls; 0 if nothing is.
+/// Half of the width (m) about the middle of the base that what is more than `allowed` m outside these balls
+/// needs, with as much again for its motion; 0 if nothing is.
 pub(super) fn half_width_outside_balls(
     robot: &Robot,
     joints: &JointVector,
@@ -259,7 +259,7 @@ pub(super) fn half_width_outside_balls(
     let mut widest: f64 = 0.0;
     on_corners_outside(robot, joints, radius, |outside, lateral| {
         if outside > allowed {
-            widest = widest.max(lateral);
+            widest = widest.max(lateral + allowed);
         }
     });
     widest

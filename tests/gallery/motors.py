@@ -27,9 +27,9 @@ class Hung:
         return self.share > 0.9999
 
 
-def readable(text: bytes) -> tuple[str, list[tuple[str, str, float, float]]]:
-    """The text of a URDF for MuJoCo, without shapes, friction and mimics; joint, leader, multiplier and offset of these."""
-    robot = ET.fromstring(text)
+def readable(urdf: bytes) -> tuple[str, list[tuple[str, str, float, float]]]:
+    """The text of a URDF for MuJoCo, without shapes, friction and mimics; and joint, leader, multiplier and offset of each mimic."""
+    robot = ET.fromstring(urdf)
     mimics = []
     for link in robot.iter("link"):
         for part in [*link.findall("visual"), *link.findall("collision"), *link.findall("inertial")]:
@@ -50,14 +50,14 @@ def readable(text: bytes) -> tuple[str, list[tuple[str, str, float, float]]]:
     return ET.tostring(robot, encoding="unicode"), mimics
 
 
-def hung(text: bytes, grasp: tuple[str, numpy.ndarray], positions: dict[str, float], limits: dict[str, float], mass: float) -> Hung:
+def hung(urdf: bytes, grasp: tuple[str, numpy.ndarray], positions: dict[str, float], limits: dict[str, float], mass: float) -> Hung:
     """A load of this mass (kg) at a place in a link's frame, on an arm that starts in these positions (rad or m) and
     whose motors hold them within these limits (Nm or N). Links have no weight, as in the physical plant; every other
     joint is held without a limit."""
-    readable_text, mimics = readable(text)
+    text, mimics = readable(urdf)
     # what it warns of, such as equal limits, would go to a file here
     mujoco.set_mju_user_warning(lambda warning: None)
-    spec = mujoco.MjSpec.from_string(readable_text)
+    spec = mujoco.MjSpec.from_string(text)
     spec.compiler.degree = False
     spec.option.timestep = 1e-3
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST

@@ -398,6 +398,19 @@ fn a_described_base_carries() {
     assert_eq!(run.status.code(), Some(0), "{}{}", stdout(&run), stderr(&run));
 }
 
+/// What stands to the side out of the balls that eq. (7) keeps off obstacles has room within the width, and 5 cm
+/// more to each side.
+#[test]
+fn a_base_is_as_wide_as_an_elbow_that_stands_out() {
+    let draft = Urdf::sound().drafted(&found());
+    assert_told(&draft, &["the base is 0.44 m wide: its collision shapes seen from above"]);
+    let link = "<link name=\"arm_3\">";
+    let bar = "<collision><geometry><box size=\"0.06 1 0.06\"/></geometry></collision>";
+    let draft = Urdf::sound().with(link, &format!("{link}{bar}")).drafted(&found());
+    assert_told(&draft, &["the base is 0.61 m wide, and 1.10 m with its arm: a disc about the axle"]);
+    assert_eq!(draft.robot.width(), 1.1);
+}
+
 #[test]
 fn robots_on_legs_are_refused_by_their_names() {
     let leg = |urdf: Urdf, name: &str, at: &str| {

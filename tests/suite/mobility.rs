@@ -5,7 +5,7 @@ use crate::drafts::{NONE, Urdf, Y, Z, found};
 use crate::spoiled_robot::{TOML, URDF, original};
 use crate::support::{cocarry, json, repository, stderr};
 use cocarry::robot::Robot;
-use cocarry::scenario::{GivenWorld, Plant, PlantKind, RobotSetup, Scenario};
+use cocarry::scenario::{GivenWorld, Plant, PlantKind, PreparedScenario, RobotSetup, Scenario};
 use cocarry::world::World;
 use std::path::Path;
 
@@ -44,6 +44,20 @@ fn dexterity_counts_directions_that_the_arm_lacks() {
     assert!(carrier.dexterity(&joints) > 0.05 && carrier.missing_motions(&joints).is_empty());
     let robot = hinged(0.05).drafted(&found()).robot;
     assert_eq!(robot.missing_motions(&robot.postures[0].joints), ["move it sideways", "roll it"]);
+}
+
+/// The grasp goes straight ahead: an upright arm leaves its base behind it, and so does a hinge; a telescope to the
+/// side does not.
+#[test]
+fn eq_7_turns_some_bases_away() {
+    let carrier = Robot::built_in().expect("the robot");
+    for (robot, turns) in [
+        (carrier, false),
+        (hinged(0.05).drafted(&found()).robot, false),
+        (beside().drafted(&found()).robot, true),
+    ] {
+        assert_eq!(robot.turns_away(&robot.postures[0].joints), turns, "{}", robot.name);
+    }
 }
 
 /// With the base's turning w and the hinge's -w, the grasp moves to the side at w times the hinge's distance d
@@ -134,11 +148,7 @@ fn a_telescope_beside_the_axis_carries() {
         let prepared = scenario.prepare().unwrap_or_else(|error| panic!("{error}"));
         let slow = prepared.slow_drive().map(ToString::to_string).unwrap_or_default();
         assert!(slow.contains("m beside the grasp's path"), "{slow}");
-        let mut episode = prepared.episode().unwrap_or_else(|error| panic!("{error}"));
-        while episode.step().is_none() {}
-        let summary = episode.summary();
-        assert_eq!(summary.outcome.name(), "arrived", "{kind:?} after {} steps", summary.steps);
-        let error = summary.control.map_or(0.0, |control| control.error_rms(summary.steps));
+        let error = carried(&prepared);
         assert!(error < 0.03, "{kind:?}: {error} m");
     }
 }
@@ -153,12 +163,7 @@ fn a_hinged_arm_carries_round_bends() {
     for kind in [PlantKind::Kinematic, PlantKind::Rapier] {
         let mut scenario = Scenario { plant: Plant::new(kind, RobotSetup::new(&robot)), ..wide(&world) };
         scenario.settings.speed = Scenario::defaults().settings.speed;
-        let prepared = scenario.prepare().unwrap_or_else(|error| panic!("{error}"));
-        let mut episode = prepared.episode().unwrap_or_else(|error| panic!("{error}"));
-        while episode.step().is_none() {}
-        let summary = episode.summary();
-        assert_eq!(summary.outcome.name(), "arrived", "{kind:?} after {} steps", summary.steps);
-        let error = summary.control.map_or(0.0, |control| control.error_rms(summary.steps));
+        let error = carried(&scenario.prepare().unwrap_or_else(|error| panic!("{error}")));
         assert!(error < 0.03, "{kind:?}: {error} m");
     }
 }
@@ -182,12 +187,7 @@ fn an_arm_of_little_reach_carries_round_bends() {
         let plant = Plant::new(kind, RobotSetup::new(&robot));
         let mut scenario = Scenario { plant, ..wide(&repository("worlds/environment-1.toml")) };
         scenario.settings.speed = Scenario::defaults().settings.speed;
-        let prepared = scenario.prepare().unwrap_or_else(|error| panic!("{error}"));
-        let mut episode = prepared.episode().unwrap_or_else(|error| panic!("{error}"));
-        while episode.step().is_none() {}
-        let summary = episode.summary();
-        assert_eq!(summary.outcome.name(), "arrived", "{kind:?} after {} steps", summary.steps);
-        let error = summary.control.map_or(0.0, |control| control.error_rms(summary.steps));
+        let error = carried(&scenario.prepare().unwrap_or_else(|error| panic!("{error}")));
         assert!(error < 0.01, "{kind:?}: {error} m");
     }
 }
@@ -206,6 +206,16 @@ fn an_object_held_low_is_not_dropped() {
     let mut episode = prepared.episode().unwrap_or_else(|error| panic!("{error}"));
     while episode.step().is_none() {}
     assert_eq!(episode.summary().outcome.name(), "out-of-time", "after {} steps", episode.summary().steps);
+}
+
+/// The grasp's error (m, rms) of an episode that arrives.
+#[track_caller]
+fn carried(prepared: &PreparedScenario) -> f64 {
+    let mut episode = prepared.episode().unwrap_or_else(|error| panic!("{error}"));
+    while episode.step().is_none() {}
+    let summary = episode.summary();
+    assert_eq!(summary.outcome.name(), "arrived", "after {} steps", summary.steps);
+    summary.control.map_or(0.0, |control| control.error_rms(summary.steps))
 }
 
 fn wide(world: &Path) -> Scenario {
