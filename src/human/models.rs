@@ -65,7 +65,7 @@ impl FromStr for ModelName {
         })?;
         if arguments.is_empty() && model.form != model.name {
             return Err(Error::new(format!(
-                "human model `{name}` has no arguments; expected {}",
+                "human model `{name}` lacks its arguments; expected {}",
                 model.form
             )));
         }

@@ -148,7 +148,7 @@ fn kind(item: &Value) -> String {
 
 pub(super) fn snapshots(bench: Bench) {
     let scenario =
-        Scenario { settings: Settings { tick_limit: Some(2), ..Settings::default() }, ..example(rapier()) };
+        Scenario { settings: Settings { tick_limit: Some(3), ..Settings::default() }, ..example(rapier()) };
     let of = |scenario: &Scenario| {
         let prepared = scenario.clone().prepare().unwrap();
         let mut episode = prepared.episode().unwrap();
