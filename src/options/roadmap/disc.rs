@@ -1,6 +1,9 @@
 //! The discs around obstacle corners and cylinders that taut strings bend around.
 
-use crate::geometry::{Bend, Bounds, Corner, Footprint, Point, Solid, Vector, angle_of, cross, direction};
+use crate::geometry::{
+    Bend, Bounds, Corner, Footprint, Point, Solid, Vector, angle_of, cross, direction, wrap_angle,
+};
+use crate::math;
 use std::f64::consts::TAU;
 
 /// Tolerance for comparing distances with the clearance, m. Paths touch discs exactly at the clearance.
@@ -11,6 +14,9 @@ pub(super) const SAME_ANGLE_RAD: f64 = 1e-9;
 
 /// More than [`Disc::early`] for radii above 20 micrometres.
 const EARLY_MARGIN: f64 = 0.01;
+
+/// The longest arc (rad) that one triangle has within it.
+const ARC_RAD: f64 = 0.2;
 
 /// A disc that strings bend around.
 #[derive(Clone, Debug)]
@@ -65,6 +71,22 @@ impl Disc {
             let d = direction(angle);
             let early = self.early();
             cross(first, d) >= -early && cross(d, last) >= -early
+        })
+    }
+
+    /// Triangles in which all points lie where [`Disc::is_taut`] lets a string touch the disc: the ends of an arc,
+    /// and where the tangents at these meet.
+    pub fn touched_within(&self) -> impl Iterator<Item = [Point; 3]> {
+        let (from, sweep) = self.between.map_or((0.0, TAU), |[first, last]| {
+            let sweep = wrap_angle(angle_of(last) - angle_of(first)).max(0.0);
+            (angle_of(first) - EARLY_MARGIN, sweep + 2.0 * EARLY_MARGIN)
+        });
+        let count = (sweep / ARC_RAD).ceil();
+        let half = sweep / count / 2.0;
+        (0..count as usize).map(move |i| {
+            let middle = from + half * (2 * i + 1) as f64;
+            let apex = self.center + direction(middle) * (self.radius / math::cos(half));
+            [self.at(middle - half), self.at(middle + half), apex]
         })
     }
 

@@ -220,7 +220,7 @@ impl Roadmap {
                 }
             }
         }
-        for from in 0..2 * discs.len() {
+        for from in reachable.rings() {
             check(&graph)?;
             let others = reachable.reached_from_ring(from, &discs[from / 2]);
             for (to, [a, b]) in clear_lines(&discs, from, others, &space) {

@@ -78,6 +78,19 @@ impl Space {
         !is_blocked && !self.crosses_barrier(a, b)
     }
 
+    /// Whether no clear line can touch a disc, as obstacles are closer wherever a taut string may touch it. Not
+    /// every such disc is found.
+    pub fn is_buried(&self, disc: &Disc) -> bool {
+        let distance = self.clearance - CLEARANCE_TOLERANCE_M - LOOKUP_MARGIN_M;
+        disc.touched_within().all(|corners| {
+            let [a, b, c] = corners;
+            let around = Bounds { min: a.inf(&b).inf(&c), max: a.sup(&b).sup(&c) };
+            self.near_obstacles.any_meeting(around.grown(distance.max(0.0)), |i| {
+                corners.iter().all(|p| self.obstacles[i].0.distance_to_point(*p) < distance)
+            })
+        })
+    }
+
     /// Whether the straight line from `a` to `b` keeps the full clearance, without tolerance. Barriers may be
     /// crossed.
     pub fn is_clear_of_obstacles(&self, a: Point, b: Point) -> bool {

@@ -64,6 +64,28 @@ fn slow_distance(space: &Space, from: Point, to: Point) -> f64 {
 }
 
 #[test]
+fn property_no_point_of_a_buried_disc_is_clear() {
+    let mut rng = ChaCha8Rng::seed_from_u64(11);
+    let (mut buried, mut open) = (0, 0);
+    for _ in 0..60 {
+        let outlines = [random_outlines(&mut rng), random_outlines(&mut rng)].concat();
+        let space = Space::new(&outlines, Vec::new(), CLEARANCE);
+        for disc in &space.discs {
+            if !space.is_buried(disc) {
+                open += 1;
+                continue;
+            }
+            buried += 1;
+            let angles = (0..1000).map(|i| TAU * f64::from(i) / 1000.0).filter(|&angle| disc.is_taut(angle));
+            for p in angles.map(|angle| disc.at(angle)) {
+                assert!(!space.is_clear(p, p), "{disc:?} at {p}");
+            }
+        }
+    }
+    assert!(buried > 500 && open > 500, "{buried} buried, {open} open");
+}
+
+#[test]
 fn property_distances_agree_with_a_dense_visibility_graph() {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let (mut compared, mut bent) = (0, 0);
