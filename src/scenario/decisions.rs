@@ -96,10 +96,15 @@ impl Decisions {
         if human { Self { policy, ..self } } else { Self { policy, ..Self::default() } }
     }
 
-    /// Whether a partner decided that the scenario does not describe: a policy or a human of another program. A human
-    /// who was steered is the scenario's all the same.
-    pub fn has_custom_partner(&self) -> bool {
-        self.policy.is_some() || self.human.is_some() && !self.has_changes
+    /// Whether a policy decided that the scenario does not describe, one of another program.
+    pub fn has_custom_policy(&self) -> bool {
+        self.policy.is_some()
+    }
+
+    /// Whether a human decided whom the scenario does not describe, one of another program. A human who was steered is
+    /// the scenario's all the same.
+    pub fn has_custom_human(&self) -> bool {
+        self.human.is_some() && !self.has_changes
     }
 
     /// Whether it logs a human.

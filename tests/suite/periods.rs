@@ -137,7 +137,7 @@ fn a_hand_from_outside_has_a_target_in_every_control_period() {
     std::fs::write(&file, recorded).expect("a file");
     let output = cocarry(&["replay", file.to_str().expect("a name")]);
     assert!(output.status.success(), "{}", stderr(&output));
-    // its page says that nobody can go on from there: this human is not in the recording
+    // its page says that nobody can go on from there: this human is not in the recording, nor are their parameters
     let page = folder.path().join("hand.html");
     let output = cocarry(&["render", file.to_str().expect("a name"), "-o", page.to_str().expect("a name")]);
     assert!(output.status.success(), "{}", stderr(&output));
@@ -145,6 +145,7 @@ fn a_hand_from_outside_has_a_target_in_every_control_period() {
     assert!(
         page.contains("cannot be taken over: a program decided for the human") && !page.contains("127.0.0.1")
     );
+    assert!(page.contains(r#""alpha":null"#) && page.contains(r#""method":"mutual""#));
 }
 
 /// Without targets of its own, a hand goes straight to that of the decision.

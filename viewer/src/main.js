@@ -31,7 +31,8 @@ $("title").textContent = episode.world.name;
 // for participants of a study: the scene alone
 $("player").classList.toggle("stimulus", Boolean(episode.is_stimulus));
 $("facts").textContent = episode.facts.about ?? [
-  `method ${method}`, PLANTS[plant] ?? plant, robot && `robot ${robot}`, `human α ${round(alpha)}, γ ${round(gamma)}`, `seed ${seed}`,
+  method === null ? "custom policy" : `method ${method}`, PLANTS[plant] ?? plant, robot && `robot ${robot}`,
+  alpha === null ? "custom human" : `human α ${round(alpha)}, γ ${round(gamma)}`, `seed ${seed}`,
 ].filter(Boolean).join(" · ");
 
 controls();

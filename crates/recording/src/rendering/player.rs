@@ -105,15 +105,16 @@ fn episode(playback: &Playback, title: &str, robot: Option<&Robot>, demo: &str) 
     let shapes: Vec<Vec<Value>> =
         links.iter().map(|link| shapes(link, &mut meshes)).collect::<Result<_, _>>()?;
     let drawn: Vec<usize> = (0..links.len()).filter(|&link| !shapes[link].is_empty()).collect();
+    let (policy, human) = (playback.decisions.has_custom_policy(), playback.decisions.has_custom_human());
     let mut episode = json!({
         "title": title,
         "world": player::world(world),
         "facts": {
             "plant": scenario.plant.name(),
-            "method": scenario.settings.method.name(),
+            "method": (!policy).then(|| scenario.settings.method.name()),
             "seed": scenario.seed,
-            "alpha": scenario.human.alpha,
-            "gamma": scenario.human.gamma,
+            "alpha": (!human).then_some(scenario.human.alpha),
+            "gamma": (!human).then_some(scenario.human.gamma),
             "robot": recorded.map(|robot| &robot.name),
         },
         "colours": player::colours(),

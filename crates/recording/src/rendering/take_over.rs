@@ -17,7 +17,7 @@ pub fn demo_address() -> String {
 /// The scenario, the decisions so far and the address of the simulator's page; or why the episode cannot go on there.
 pub(super) fn take_over(playback: &Playback, address: &str) -> Result<Value, Error> {
     let Playback { prepared, decisions, .. } = playback;
-    if decisions.has_custom_partner() {
+    if decisions.has_custom_policy() || decisions.has_custom_human() {
         let sentence = "This episode cannot be taken over: a program decided for the human or the robot, and the \
                         recording has its decisions but not the program.";
         return Ok(json!({ "refused": sentence }));
