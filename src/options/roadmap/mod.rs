@@ -198,8 +198,13 @@ impl Roadmap {
                     graph.add_edge(nodes[i], goals[j], Way::Join { from: a, join });
                 }
             }
-            for ring in near_discs.into_iter().flat_map(|disc| [2 * disc, 2 * disc + 1]) {
-                if let Some((touch, length)) = tangent_from(&discs[ring / 2], ring, a, &space, &mut blocker) {
+            let rings =
+                near_discs.into_iter().flat_map(|(disc, is_seen)| [0, 1].map(|i| (2 * disc + i, is_seen)));
+            for (ring, is_seen) in rings {
+                if is_seen
+                    && let Some((touch, length)) =
+                        tangent_from(&discs[ring / 2], ring, a, &space, &mut blocker)
+                {
                     // the reverse path follows the disc in the other direction
                     let arrive = stop(&mut graph, ring, touch, StopKind::Arrive);
                     let leave = stop(&mut graph, ring ^ 1, touch, StopKind::Leave);

@@ -57,16 +57,18 @@ impl Reachable {
         rings(&self.open)
     }
 
-    /// The sites to which lines from a site's far end may lead, and the discs to or from which lines that end
-    /// at the site may lead, ascending.
-    pub fn reached_from_site(&self, site: usize) -> (Vec<usize>, Vec<usize>) {
+    /// The sites to which lines from a site's far end may lead, and the discs from which lines may lead to the
+    /// site, each with whether one from the far end may lead to it; both ascending.
+    pub fn reached_from_site(&self, site: usize) -> (Vec<usize>, Vec<(usize, bool)>) {
         let portal = self.portals[site];
         let farthest = self.from_portals[site];
-        let mut discs = self.near_discs.meeting(around(portal, farthest));
-        discs.extend(self.views.meeting(around(portal, 0.0)));
-        discs.sort_unstable();
-        discs.dedup();
-        let discs = discs.into_iter().map(|i| self.open[i]).collect();
+        let seen = self.near_discs.meeting(around(portal, farthest)).into_iter().map(|i| (i, true));
+        let seeing = self.views.meeting(around(portal, 0.0)).into_iter().map(|i| (i, false));
+        let mut discs: Vec<(usize, bool)> = seen.chain(seeing).collect();
+        // two ascending parts; of a disc in both, the first stays
+        discs.sort_by_key(|(i, _)| *i);
+        discs.dedup_by_key(|(i, _)| *i);
+        let discs = discs.into_iter().map(|(i, is_seen)| (self.open[i], is_seen)).collect();
         (self.near_portals.meeting(around(portal, farthest + self.reach)), discs)
     }
 
