@@ -55,7 +55,7 @@ pub struct Mjcf {
     pub text: String,
     /// Names of the actuators that take a control, in the order of `ctrl`: base, arm, hand.
     pub controls: Vec<String>,
-    /// What the file does not express, and what was changed for MuJoCo: sentences without a full stop.
+    /// What differs in this scene, and is said in the file too: sentences without a full stop.
     pub notes: Vec<String>,
 }
 
@@ -111,18 +111,22 @@ impl Writer<'_> {
 
         let controls = self.controls(&joint_names);
         let ctrl: Vec<f64> = controls.iter().map(|control| control.start).chain([0.0; 3]).collect();
-        let mut notes: Vec<String> = MISSING.map(str::to_owned).into();
+        let mut missing: Vec<String> = MISSING.map(str::to_owned).into();
+        let [force, _, torque] = model.base_limits;
+        missing.push(format!(
+            "the limits of the base's motors, {force} N and {torque} Nm: as forcerange they make such stiff motors chatter at this timestep"
+        ));
         if model.bodies.iter().any(|body| body.joint.as_ref().is_some_and(|joint| joint.mimics.is_some())) {
-            notes.push("that a gear loads only the joint that follows: here it loads both".to_owned());
+            self.notes.push("that a gear loads only the joint that follows: here it loads both".to_owned());
         }
-        notes.append(&mut self.notes);
+        missing.extend(self.notes.iter().cloned());
 
         let mut text = String::from("<!--\n");
         let title = format!("{} with {}, written by cocarry {}", name, robot.name, env!("CARGO_PKG_VERSION"));
         text += &format!("  {}\n", for_comment(&title));
         text += "  Units: m, kg, s, rad. Mesh files are left out; hulls are as they collide. The robot's weight is compensated.\n";
         text += "  Not in this file:\n";
-        text += &notes.iter().map(|note| format!("  * {}\n", for_comment(note))).collect::<String>();
+        text += &missing.iter().map(|note| format!("  * {}\n", for_comment(note))).collect::<String>();
         text += "-->\n";
         text += &format!("<mujoco model=\"{}\">\n", escaped(name));
         text += "  <compiler angle=\"radian\" autolimits=\"true\"/>\n";
@@ -176,7 +180,7 @@ impl Writer<'_> {
             turns.join("  ")
         );
         text += "  </keyframe>\n</mujoco>\n";
-        Mjcf { text, controls: controls.into_iter().map(|control| control.name).collect(), notes }
+        Mjcf { text, controls: controls.into_iter().map(|control| control.name).collect(), notes: self.notes }
     }
 
     /// Adds one part of an obstacle.
@@ -405,11 +409,10 @@ impl Writer<'_> {
         let model = self.scene.model;
         let gain = number(model.base_gain);
         let mut controls = Vec::new();
-        for (axis, limit) in ["x", "y", "yaw"].into_iter().zip(model.base_limits) {
+        for axis in ["x", "y", "yaw"] {
             let name = format!("base_{axis}");
             let text = format!(
-                "    <general name=\"{name}\" joint=\"{name}\" gainprm=\"{gain}\" biastype=\"affine\" biasprm=\"0 0 -{gain}\" {}/>\n",
-                force_range(limit)
+                "    <general name=\"{name}\" joint=\"{name}\" gainprm=\"{gain}\" biastype=\"affine\" biasprm=\"0 0 -{gain}\"/>\n"
             );
             controls.push(Control { name, text, start: 0.0 });
         }

@@ -88,5 +88,7 @@ fn written(prepared: &PreparedScenario) -> Result<Mjcf, Failure> {
 /// What the file does not express, for people.
 fn told(written: &Mjcf) -> String {
     let notes: String = written.notes.iter().map(|note| format!("- {note}\n")).collect();
-    format!("not in the file, as its first lines say:\n{notes}")
+    format!(
+        "not in the file, as its first lines say: the human's motion, the limits of the wheels and of the base's motors, contacts of the human with obstacles, and more\n{notes}"
+    )
 }
