@@ -3,20 +3,21 @@
 //!
 //! Collision shapes are primitives and convex hulls, whose vertices are in the file; visual meshes are left out.
 
+mod actuators;
+mod text;
+
+use actuators::{controls, gears, gripper};
 use cocarry::geometry::Pose;
 use cocarry::robot::{Geometry, Robot, Shape};
-use cocarry::simulation::{
-    ContactGroup, GripModel, HAND_RADIUS, JointModel, PlantModel, TORSO_HEIGHT, TORSO_RADIUS,
-};
+use cocarry::simulation::{ContactGroup, HAND_RADIUS, JointModel, PlantModel, TORSO_HEIGHT, TORSO_RADIUS};
 use cocarry::world::{Part, World};
 use nalgebra::{Matrix3, Quaternion, Rotation3, SymmetricEigen, Translation3, UnitQuaternion, Vector3};
 use std::collections::BTreeSet;
+use text::{escaped, for_comment, number, numbers, placed, quaternion, unique, vector};
 
 /// Timestep of the file, s. MuJoCo keeps forces between kinematic trees, such as those of the hand's grip,
 /// explicit: at 2 ms a grip's force is several per cent off.
 const TIMESTEP: f64 = 0.0005;
-/// Time constant, s, and damping ratio of the gear between a joint and one that mimics it.
-const GEAR: &str = "0.002 1";
 /// The end of the object that the hand holds.
 const FRONT: &str = "front";
 /// The keyframe of the start.
@@ -109,7 +110,7 @@ impl Writer<'_> {
         self.add_body(0, &joint_names, 2);
         self.add_human();
 
-        let controls = self.controls(&joint_names);
+        let controls = controls(model, robot.joints.len(), &joint_names);
         let ctrl: Vec<f64> = controls.iter().map(|control| control.start).chain([0.0; 3]).collect();
         let mut missing: Vec<String> = MISSING.map(str::to_owned).into();
         let [force, _, torque] = model.base_limits;
@@ -157,16 +158,10 @@ impl Writer<'_> {
         text += "    <geom name=\"floor\" type=\"plane\" size=\"0 0 1\" contype=\"0\" conaffinity=\"0\" rgba=\"0.9 0.9 0.9 1\"/>\n";
         text += &self.bodies;
         text += "  </worldbody>\n";
-        text += &self.gears(&joint_names);
+        text += &gears(&model.bodies, &joint_names);
         text += "  <actuator>\n";
         text += &controls.iter().map(|control| control.text.as_str()).collect::<String>();
-        let rests = [0.0, 0.0, model.gripper.rest];
-        for (axis, rest) in AXES.into_iter().zip(rests) {
-            text += &format!(
-                "    <general name=\"gripper_{axis}\" joint=\"grip_{axis}\" gainprm=\"0\" {}/>\n",
-                spring(&model.gripper, rest)
-            );
-        }
+        text += &gripper(&model.gripper);
         text += "  </actuator>\n";
         text += "  <keyframe>\n";
         let mocap = [&model.hand, &model.torso];
@@ -380,91 +375,6 @@ impl Writer<'_> {
             self.bodies += "    </body>\n";
         }
     }
-
-    /// The gears of joints that mimic others.
-    fn gears(&self, joint_names: &[String]) -> String {
-        let bodies = &self.scene.model.bodies;
-        let mut text = String::new();
-        for (body, name) in bodies.iter().zip(joint_names) {
-            let Some((joint, [ratio, offset])) = body.joint.as_ref().and_then(|j| Some((j, j.mimics?)))
-            else {
-                continue;
-            };
-            let is_driver = |joint: &JointModel, arm| joint.mimics.is_none() && joint.arm_joint == arm;
-            let driver =
-                bodies.iter().position(|b| b.joint.as_ref().is_some_and(|j| is_driver(j, joint.arm_joint)));
-            let Some(driver) = driver else { continue };
-            text += &format!(
-                "    <joint joint1=\"{}\" joint2=\"{}\" polycoef=\"{} 0 0 0\" solref=\"{GEAR}\"/>\n",
-                escaped(name),
-                escaped(&joint_names[driver]),
-                numbers(&[offset, ratio])
-            );
-        }
-        if text.is_empty() { text } else { format!("  <equality>\n{text}  </equality>\n") }
-    }
-
-    /// The actuators that take a control.
-    fn controls(&self, joint_names: &[String]) -> Vec<Control> {
-        let model = self.scene.model;
-        let gain = number(model.base_gain);
-        let mut controls = Vec::new();
-        for axis in ["x", "y", "yaw"] {
-            let name = format!("base_{axis}");
-            let text = format!(
-                "    <general name=\"{name}\" joint=\"{name}\" gainprm=\"{gain}\" biastype=\"affine\" biasprm=\"0 0 -{gain}\"/>\n"
-            );
-            controls.push(Control { name, text, start: 0.0 });
-        }
-        // in the order of the robot's arm joints, as everywhere
-        for arm_joint in 0..self.scene.robot.joints.len() {
-            for (body, name) in model.bodies.iter().zip(joint_names) {
-                let Some(joint) = &body.joint else { continue };
-                if joint.mimics.is_some() || joint.arm_joint != arm_joint {
-                    continue;
-                }
-                let [stiffness, damping] = [joint.stiffness, joint.damping].map(number);
-                let range = joint.effort_limit.map(|limit| format!(" {}", force_range(limit)));
-                let text = format!(
-                    "    <general name=\"{0}\" joint=\"{0}\" gainprm=\"{stiffness}\" biastype=\"affine\" biasprm=\"0 -{stiffness} -{damping}\"{1}/>\n",
-                    escaped(name),
-                    range.unwrap_or_default()
-                );
-                controls.push(Control { name: name.clone(), text, start: joint.start });
-            }
-        }
-        let grip = &model.hand_grip;
-        let axes = ["x", "y", "z", "roll", "pitch", "yaw"];
-        for (i, axis) in axes.into_iter().enumerate() {
-            let mut gear = [0.0; 6];
-            gear[i] = 1.0;
-            let rest = if axis == "z" { grip.rest } else { 0.0 };
-            let turning = GripModel {
-                stiffness: grip.angular_stiffness,
-                damping: grip.angular_damping,
-                limits: [grip.limits[1]; 2],
-                ..*grip
-            };
-            let along = if i < 3 { grip } else { &turning };
-            let name = format!("hand_{axis}");
-            let text = format!(
-                "    <general name=\"{name}\" site=\"{FRONT}\" refsite=\"hand\" gear=\"{}\" gainprm=\"{}\" {}/>\n",
-                numbers(&gear),
-                number(along.damping),
-                spring(along, rest)
-            );
-            controls.push(Control { name, text, start: 0.0 });
-        }
-        controls
-    }
-}
-
-/// An actuator that takes a control.
-struct Control {
-    name: String,
-    text: String,
-    /// Its control at the start.
-    start: f64,
 }
 
 /// The class of every group of shapes, with its colour.
@@ -487,20 +397,6 @@ fn joint_element(joint: &JointModel, name: &str) -> String {
     format!("<joint name=\"{}\" type=\"{kind}\" axis=\"{}\"{range}/>", escaped(name), vector(&joint.axis))
 }
 
-/// Spring and damper of a grip along an axis, as attributes of an actuator.
-fn spring(grip: &GripModel, rest: f64) -> String {
-    let GripModel { stiffness, damping, limits: [limit, _], .. } = *grip;
-    format!(
-        "biastype=\"affine\" biasprm=\"{}\" {}",
-        numbers(&[stiffness * rest, -stiffness, -damping]),
-        force_range(limit)
-    )
-}
-
-fn force_range(limit: f64) -> String {
-    format!("forcerange=\"{}\"", numbers(&[-limit, limit]))
-}
-
 /// An inertia that MuJoCo accepts, whose largest moment is at most the sum of the others: the smaller two are
 /// raised by the same amount, which is returned, kg m^2.
 fn acceptable(inertia: &Matrix3<f64>) -> (Matrix3<f64>, f64) {
@@ -518,92 +414,9 @@ fn acceptable(inertia: &Matrix3<f64>) -> (Matrix3<f64>, f64) {
     (inertia + others * raised, if is_rounding { 0.0 } else { raised })
 }
 
-/// A name with its prefix that is not among `names` yet, and is now.
-fn unique(names: &mut BTreeSet<String>, prefix: &str, name: &str) -> String {
-    let plain = format!("{prefix}{}", printable(name));
-    let numbered = (2..).map(|n: u64| format!("{plain}:{n}"));
-    let free = std::iter::once(plain.clone()).chain(numbered).find(|name| !names.contains(name));
-    let free = free.unwrap_or(plain);
-    names.insert(free.clone());
-    free
-}
-
-/// A text without the characters that XML does not allow; other blanks become spaces.
-fn printable(text: &str) -> String {
-    let fit = |c: char| match c {
-        c if c.is_whitespace() => ' ',
-        '\u{fffe}' | '\u{ffff}' => '\u{fffd}',
-        c if c.is_control() => '\u{fffd}',
-        c => c,
-    };
-    text.chars().map(fit).collect()
-}
-
-/// A text for an attribute.
-fn escaped(text: &str) -> String {
-    printable(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
-/// A text for a comment, which two hyphens would end.
-fn for_comment(text: &str) -> String {
-    let mut text = printable(text);
-    while text.contains("--") {
-        text = text.replace("--", "- -");
-    }
-    text
-}
-
-/// A pose as attributes.
-fn placed(pose: &Pose) -> String {
-    let mut text = format!("pos=\"{}\"", vector(&pose.translation.vector));
-    if pose.rotation != Rotation3::identity() {
-        text += &format!(" quat=\"{}\"", quaternion(pose));
-    }
-    text
-}
-
-/// The rotation of a pose: w, x, y, z.
-fn quaternion(pose: &Pose) -> String {
-    let turn = UnitQuaternion::from_rotation_matrix(&pose.rotation);
-    numbers(&[turn.w, turn.i, turn.j, turn.k])
-}
-
-fn vector(vector: &Vector3<f64>) -> String {
-    numbers(vector.as_slice())
-}
-
-fn numbers(numbers: &[f64]) -> String {
-    numbers.iter().map(|value| number(*value)).collect::<Vec<_>>().join(" ")
-}
-
-/// A number that is read back with the same bits.
-fn number(value: f64) -> String {
-    match value.abs() {
-        0.0 => "0".to_owned(),
-        1e-5..1e16 => format!("{value}"),
-        _ => format!("{value:e}"),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn texts_cannot_leave_their_place() {
-        assert_eq!(escaped("a\"><b&\u{1}\n"), "a&quot;&gt;&lt;b&amp;\u{fffd} ");
-        assert!(!for_comment("-->--").contains("--"));
-        let mut names = BTreeSet::new();
-        let named: Vec<String> = ["a", "a\u{1}", "a\u{2}", "a"].map(|n| unique(&mut names, "r/", n)).into();
-        assert_eq!(named, ["r/a", "r/a\u{fffd}", "r/a\u{fffd}:2", "r/a:2"]);
-    }
-
-    #[test]
-    fn numbers_are_read_back_with_the_same_bits() {
-        for value in [0.1 + 0.2, -1e-300, 1e300, -0.0, 12_345.678, 5e-324] {
-            assert_eq!(number(value).parse::<f64>().unwrap(), value);
-        }
-    }
 
     #[test]
     fn closed_form_an_inertia_that_no_body_has_is_raised_to_the_next_one_that_a_body_has() {
