@@ -7,10 +7,10 @@ use crate::error::Error;
 use crate::geometry::{Path, PlanarPose, direction};
 use crate::human::{Human, PreferenceHuman};
 use crate::options::{OptionSet, Passing};
-use crate::plant::{Kinematic, Physical, Plant, PointPlant};
+use crate::plant::{Kinematic, Physical, Plant, PointPlant, StepObserver};
 use crate::policy::RobotPolicy;
 use crate::preference::{Perception, Ways};
-use crate::simulation::{KinematicPlant, PhysicsSettings};
+use crate::simulation::{KinematicPlant, PhysicsSettings, PhysicsStep};
 use crate::team::{InTandem, OnPath, Route, Surroundings, Walk};
 use crate::world::World;
 
@@ -25,6 +25,7 @@ pub struct EpisodeBuilder<'a> {
     team: Team<'a>,
     controller: Option<Box<dyn Controller + 'a>>,
     plant: Option<MakePlant<'a>>,
+    observer: Option<StepObserver<'a>>,
 }
 
 type MakePlant<'a> = Box<dyn FnOnce(&Start) -> Box<dyn Plant + 'a> + 'a>;
@@ -68,6 +69,7 @@ impl<'a> EpisodeBuilder<'a> {
             team: Team::Point,
             controller: None,
             plant: None,
+            observer: None,
         }
     }
 
@@ -117,17 +119,24 @@ impl<'a> EpisodeBuilder<'a> {
         Self { plant: Some(Box::new(|start| Box::new(make(start)))), ..self }
     }
 
+    /// An observer of every physics step; without effect on plants other than the physical one. Copies of the
+    /// episode have none.
+    pub fn with_step_observer(self, observer: impl FnMut(&PhysicsStep) + Send + Sync + 'a) -> Self {
+        Self { observer: Some(Box::new(observer)), ..self }
+    }
+
     /// The episode before its first step: the team stands at the start and faces its first path.
     ///
     /// # Errors
     /// A team of bodies does not fit at its start, the robot has no room on its way to the
     /// start or the human at the end of an option, or a setting is out of its range.
     pub fn begin(self) -> Result<Episode<'a>, Error> {
-        let Self { options, settings, human, policy, team, controller, plant } = self;
+        let Self { options, settings, human, policy, team, controller, plant, observer } = self;
         settings.learning.map_or(Ok(()), |learning| learning.check())?;
         let mut episode = point_episode(options, settings, human, policy);
         let first = if let Team::Point = team { Path::default() } else { episode.first_path(team.passing()) };
-        let LinedUp { walk, controller: built_in, plant } = team.line_up(options, settings, &first, plant)?;
+        let LinedUp { walk, controller: built_in, plant } =
+            team.line_up(options, settings, &first, plant, observer)?;
         episode.manipulator = team.manipulator();
         episode.walk = walk;
         episode.controller = controller.unwrap_or(built_in);
@@ -159,6 +168,7 @@ impl<'a> Team<'a> {
         settings: &Settings,
         first: &Path,
         plant: Option<MakePlant<'a>>,
+        observer: Option<StepObserver<'a>>,
     ) -> Result<LinedUp<'a>, Error> {
         let (pace, count) = (settings.pace(), options.options().len());
         let yaw = first.heading_at(0.0).unwrap_or(0.0);
@@ -191,7 +201,10 @@ impl<'a> Team<'a> {
                 let surroundings = Surroundings { world, options, obstacles, base: &base };
                 let (walk, pose) = InTandem::starting(surroundings, first, pace)?;
                 let plant: Box<dyn Plant + 'a> = match plant {
-                    None => Box::new(Physical::new(world, robot, &posture, &pose, &physics, seed)?),
+                    None => {
+                        let plant = Physical::new(world, robot, &posture, &pose, &physics, seed)?;
+                        Box::new(plant.observed_by(observer))
+                    }
                     Some(make) => make(&Start { pose }),
                 };
                 walk.check_targets(world, settings.predictor.risk_weight())?;

@@ -11,7 +11,7 @@ mod point;
 
 pub use command::{Command, HumanMotion, Preparation};
 pub use kinematic::Kinematic;
-pub use physical::Physical;
+pub use physical::{Physical, StepObserver};
 pub use point::PointPlant;
 
 use crate::geometry::{PlanarPose, Point, Pose};

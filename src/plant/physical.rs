@@ -5,15 +5,18 @@ use crate::error::Error;
 use crate::geometry::{PlanarPose, Pose};
 use crate::robot::{JointVector, Robot};
 use crate::saved::{RestoreError, Saved};
-use crate::simulation::{HumanCommand, Observation, PhysicalPlant, PhysicsSettings};
+use crate::simulation::{HumanCommand, Observation, PhysicalPlant, PhysicsSettings, PhysicsStep};
 use crate::world::World;
 use serde::{Deserialize, Serialize};
 
+/// What is called after every physics step of a plant. It is no part of the plant's state.
+pub type StepObserver<'a> = Box<dyn FnMut(&PhysicsStep) + Send + Sync + 'a>;
+
 /// Robot, object and human with dynamics and contacts.
-#[derive(Clone)]
 pub struct Physical<'a> {
     robot: &'a Robot,
     state: PhysicalState,
+    observer: Option<StepObserver<'a>>,
 }
 
 #[derive(Clone, Serialize, Deserialize)]
@@ -36,7 +39,20 @@ impl<'a> Physical<'a> {
         seed: u64,
     ) -> Result<Self, Error> {
         let plant = PhysicalPlant::new(world, robot, posture, start, settings, seed)?;
-        Ok(Self { robot, state: PhysicalState { seen: plant.observe(), plant } })
+        Ok(Self { robot, state: PhysicalState { seen: plant.observe(), plant }, observer: None })
+    }
+
+    /// The same plant with an observer of its physics steps, or without one.
+    #[must_use]
+    pub fn observed_by(self, observer: Option<StepObserver<'a>>) -> Self {
+        Self { observer, ..self }
+    }
+}
+
+impl Clone for Physical<'_> {
+    /// A copy that continues independently and identically. It has no observer.
+    fn clone(&self) -> Self {
+        Self { robot: self.robot, state: self.state.clone(), observer: None }
     }
 }
 
@@ -61,7 +77,8 @@ impl Plant for Physical<'_> {
         let hand = human.hand.map_or(HumanCommand::Follow, |hand| HumanCommand::Walk { hand });
         let PhysicalState { plant, seen } = &mut self.state;
         plant.face(human.facing);
-        *seen = plant.advance(&(command.rates + command.input), &hand, period);
+        let observer = self.observer.as_mut().map(|observer| &mut **observer as &mut dyn FnMut(&PhysicsStep));
+        *seen = plant.advance_observed(&(command.rates + command.input), &hand, period, observer);
     }
 
     fn link_poses(&self) -> Option<Vec<Pose>> {

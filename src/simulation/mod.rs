@@ -7,6 +7,7 @@ mod rapier;
 pub use kinematic::KinematicPlant;
 pub(crate) use rapier::sample;
 pub use rapier::{
-    BodyKind, Clearance, Clearances, Contact, Failure, Forces, HAND_RADIUS, HumanCommand, HumanSettings,
-    Observation, Part, PhysicalPlant, PhysicsSettings, TORSO_AHEAD, TORSO_HEIGHT, TORSO_RADIUS, Wrench,
+    BodyKind, BodyModel, Clearance, Clearances, Contact, ContactGroup, Failure, Forces, GripModel,
+    HAND_RADIUS, HumanCommand, HumanSettings, JointModel, Observation, Part, PhysicalPlant, PhysicsSettings,
+    PhysicsStep, PlantModel, TORSO_AHEAD, TORSO_HEIGHT, TORSO_RADIUS, Wrench,
 };

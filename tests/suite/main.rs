@@ -30,6 +30,7 @@ mod infer;
 mod learning;
 mod limits;
 mod maps;
+mod mjcf;
 mod mobility;
 mod mutants;
 mod object_lost;

@@ -5,6 +5,7 @@ pub mod bodies;
 pub mod drawing;
 pub mod figure;
 pub mod html;
+pub mod mjcf;
 pub mod output_file;
 pub mod palette;
 pub mod player;

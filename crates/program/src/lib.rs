@@ -16,7 +16,9 @@ mod infer;
 mod inspect;
 mod interrupt;
 mod live;
+mod mjcf;
 mod model;
+mod motor_log;
 mod new;
 mod output;
 mod plot;
@@ -87,7 +89,7 @@ enum Command {
     #[command(subcommand)]
     Robot(RobotAction),
     New(new::NewArguments),
-    Export(export::ExportArguments),
+    Export(Box<export::ExportArguments>),
     Sweep(sweep::SweepArguments),
     #[command(subcommand)]
     Cluster(cluster::Action),

@@ -9,7 +9,7 @@ use super::output::{
     svg_file, warn, with_spinner, write_file,
 };
 use super::record::RecordArguments;
-use super::scenario::ScenarioArguments;
+use super::scenario::{ScenarioArguments, inputs_of};
 use super::snapshots::{Saves, SnapshotArguments};
 use super::tick_log;
 use anyhow::{Context, anyhow};
@@ -22,7 +22,7 @@ use cocarry_output::drawing;
 use cocarry_output::output_file::Outputs;
 use cocarry_recording::recording::Ending;
 use cocarry_studies::paper::EXAMPLE_HUMAN;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// The heading of options about output.
@@ -69,11 +69,8 @@ pub(super) struct RunArguments {
 impl RunArguments {
     /// The rule for the output files, which must not be inputs of the episode.
     fn outputs(&self, scenario: &Scenario, saves: &Saves) -> Result<Outputs, Failure> {
-        let robot = scenario.plant.robot_setup().map(|setup| setup.robot.texts());
-        let robot = robot.into_iter().flat_map(|robot| [robot.file.as_str(), &robot.urdf_file]);
-        let named = [scenario.world.file()].into_iter().chain(robot).map(Path::new);
         let given = [self.snapshots.resume.as_ref(), self.scenario.belief_samples()];
-        let inputs = named.chain(given.into_iter().flatten().map(PathBuf::as_path));
+        let inputs = inputs_of(scenario).chain(given.into_iter().flatten().map(PathBuf::as_path));
         let ticks = self.ticks.iter().map(|file| &file.path);
         let files = ticks.chain(&self.svg).chain(self.recording.files()).chain(saves.files());
         self.overwrite.outputs(inputs, files)

@@ -20,6 +20,13 @@ pub(super) struct ScenarioArguments {
     /// World file (TOML), a built-in world (see `cocarry worlds`), or - for a world file on standard input
     #[arg(default_value = "environment-4")]
     world: PathBuf,
+    #[command(flatten)]
+    team: TeamArguments,
+}
+
+/// Human, team and plant.
+#[derive(Args, Debug)]
+pub(super) struct TeamArguments {
     /// The human's perception of distance: alpha in D^alpha [default: drawn from the belief]
     #[arg(long, value_parser = perception, allow_negative_numbers = true, help_heading = HUMAN)]
     alpha: Option<f64>,
@@ -49,7 +56,22 @@ pub(super) struct ScenarioArguments {
     settings: SettingArguments,
 }
 
+impl std::ops::Deref for ScenarioArguments {
+    type Target = TeamArguments;
+
+    fn deref(&self) -> &TeamArguments {
+        &self.team
+    }
+}
+
 impl ScenarioArguments {
+    /// The scenario of these arguments; reads its files.
+    pub fn scenario(&self) -> Result<Scenario, Failure> {
+        self.team.scenario_in(&self.world)
+    }
+}
+
+impl TeamArguments {
     /// The file of samples that the belief is read from.
     pub fn belief_samples(&self) -> Option<&PathBuf> {
         self.belief.belief_samples.as_ref()
@@ -65,9 +87,9 @@ impl ScenarioArguments {
         self.settings.custom_policy.as_deref()
     }
 
-    /// The scenario of these arguments; reads its files.
-    pub fn scenario(&self) -> Result<Scenario, Failure> {
-        let world = load_world(&self.world)?;
+    /// The scenario of these arguments in a world: a file, a built-in one, or - for standard input.
+    pub fn scenario_in(&self, world: &Path) -> Result<Scenario, Failure> {
+        let world = load_world(world)?;
         let plant = self.robot.plant(&self.settings)?;
         let settings = Settings { predictor: self.belief.predictor(RISK_WEIGHT)?, ..Settings::default() };
         let belief = &settings.predictor.belief().clone();
@@ -88,4 +110,11 @@ impl ScenarioArguments {
         }
         Ok(scenario)
     }
+}
+
+/// The files of world and robot that a scenario was read from.
+pub(super) fn inputs_of(scenario: &Scenario) -> impl Iterator<Item = &Path> {
+    let robot = scenario.plant.robot_setup().map(|setup| setup.robot.texts());
+    let robot = robot.into_iter().flat_map(|robot| [robot.file.as_str(), &robot.urdf_file]);
+    [scenario.world.file()].into_iter().chain(robot).map(Path::new)
 }

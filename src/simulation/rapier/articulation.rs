@@ -27,8 +27,9 @@ use serde::{Deserialize, Serialize};
 
 /// The base's motors: the largest force along each axis (N) and torque (Nm), which the wheels' grip on the
 /// floor bears.
-const BASE_FORCE: f64 = 800.0;
-const BASE_TORQUE: f64 = 400.0;
+pub(super) const BASE_FORCE: f64 = 800.0;
+pub(super) const BASE_TORQUE: f64 = 400.0;
+
 /// The robot as a multibody of rapier.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Articulation {
@@ -173,8 +174,9 @@ impl Articulation {
         self.ramp.begin(&rates, &self.rate_limits, steps);
     }
 
-    /// Sets all motors for a step of `dt` seconds. `None` if the bodies are gone.
-    pub fn drive(&mut self, world: &mut PhysicsWorld, dt: f64) -> Option<()> {
+    /// Sets all motors for a step of `dt` seconds. Returns the rates that the base's motors shall keep: along x
+    /// and y of the world, m/s, and about z, rad/s. `None` if the bodies are gone.
+    pub fn drive(&mut self, world: &mut PhysicsWorld, dt: f64) -> Option<[f64; 3]> {
         let wanted = self.ramp.next();
         let drive = self.of_drive();
         let most = drive.accelerations(self.rim_acceleration) * dt;
@@ -191,7 +193,8 @@ impl Articulation {
         if self.omnidirectional.is_some() {
             in_world += left_of(ahead) * velocity.y;
         }
-        for (motor, rate) in self.base_motors.iter_mut().zip([in_world.x, in_world.y, turn]) {
+        let base_rates = [in_world.x, in_world.y, turn];
+        for (motor, rate) in self.base_motors.iter_mut().zip(base_rates) {
             motor.drive(world, self.drive, rate, dt)?;
         }
 
@@ -207,7 +210,16 @@ impl Articulation {
         for gear in self.motors.iter_mut().filter(|m| !m.is_own) {
             gear.follow(world, states[gear.joint], dt)?;
         }
-        Some(())
+        Some(base_rates)
+    }
+
+    /// The rest positions of the arm's motors in the last step, rad or m.
+    pub fn rests(&self) -> JointVector {
+        let mut rests = JointVector::zeros();
+        for motor in self.motors.iter().filter(|m| m.is_own) {
+            rests[motor.joint] = motor.rest;
+        }
+        rests
     }
 
     /// Whether the step that has been made, after which the world is `after`, has to be made again from `before`:

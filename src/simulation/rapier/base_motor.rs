@@ -30,6 +30,12 @@ impl BaseMotor {
     /// Damping of the degree of freedom, Ns/m or Nms/rad.
     pub const DAMPING: f64 = DAMPING;
 
+    /// Force per difference between the wanted rate and that at the end of a step of `dt` seconds, Ns/m or
+    /// Nms/rad.
+    pub fn gain(dt: f64) -> f64 {
+        DAMPING + STIFFNESS * dt
+    }
+
     /// A motor at rest.
     pub fn new((coordinate, dof): (usize, usize), most: f64, inertia: f64) -> Self {
         Self { coordinate, dof, most, inertia, rest: None, rate: 0.0 }
@@ -59,7 +65,7 @@ impl BaseMotor {
 
     /// The rate to aim at, such that the force stays within its limit: `wanted`, unless that takes more.
     fn limited(&self, wanted: f64, rate: f64, load: f64, dt: f64) -> f64 {
-        let (damping, gain) = (DAMPING + STIFFNESS * dt, dt / self.inertia);
+        let (damping, gain) = (Self::gain(dt), dt / self.inertia);
         // force = damping (wanted - next), next = rate + gain (force + load)
         let force = damping * (wanted - rate - gain * load) / (1.0 + damping * gain);
         let within = force.clamp(-self.most, self.most);

@@ -26,6 +26,17 @@ pub(super) struct Stiffness {
 }
 
 impl Stiffness {
+    /// Linear (Ns/m) and angular (Nms/rad) damping that is critical for a `load` (kg) at one end.
+    pub fn damping(&self, load: f64) -> [f64; 2] {
+        let linear = 2.0 * (self.linear * load).sqrt();
+        [linear, linear * self.angular / self.linear]
+    }
+
+    /// Rest position of the upward spring, m, such that a `load` (kg) does not sag.
+    pub fn rest(&self, load: f64) -> f64 {
+        load * GRAVITY / self.linear
+    }
+
     /// The robot's gripper, of a linear stiffness.
     pub fn of_gripper(linear: f64) -> Self {
         Self { linear, angular: 1000.0 * (linear / 20_000.0), most: [2000.0, 400.0] }
@@ -69,15 +80,13 @@ impl Grip {
         load: f64,
     ) -> Self {
         let Stiffness { linear, angular, most } = stiffness;
-        // critical damping for the load at one end
-        let damping = 2.0 * (linear * load).sqrt();
-        let angular_damping = damping * angular / linear;
+        let [damping, angular_damping] = stiffness.damping(load);
         let mut joint = GenericJointBuilder::new(JointAxesMask::empty())
             .contacts_enabled(false)
             .local_frame1(to_rapier(&holder_from_grip))
             .local_frame2(to_rapier(&object_from_grip));
         for axis in LINEAR {
-            let rest = if axis == JointAxis::LinZ { load * GRAVITY / linear } else { 0.0 };
+            let rest = if axis == JointAxis::LinZ { stiffness.rest(load) } else { 0.0 };
             joint = joint
                 .motor_model(axis, MotorModel::ForceBased)
                 .motor_position(axis, rest, linear, damping)

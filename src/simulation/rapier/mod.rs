@@ -13,6 +13,7 @@ mod clusters;
 mod dimensions;
 mod grip;
 mod human;
+mod model;
 mod motor;
 mod noise;
 mod observation;
@@ -25,6 +26,7 @@ mod touch;
 
 pub use dimensions::{HAND_RADIUS, TORSO_AHEAD, TORSO_HEIGHT, TORSO_RADIUS};
 pub use human::HumanCommand;
+pub use model::{BodyModel, ContactGroup, GripModel, JointModel, PhysicsStep, PlantModel};
 pub use observation::{BodyKind, Clearance, Clearances, Contact, Failure, Forces, Observation, Part, Wrench};
 pub use scene::PhysicalPlant;
 pub use settings::{HumanSettings, PhysicsSettings};
@@ -36,6 +38,7 @@ use crate::math;
 use crate::robot::{InputVector, JointVector, Robot};
 use crate::world::World;
 use human::SensedObject;
+use nalgebra::{Rotation3, Vector3};
 use noise::Coefficients;
 use rapier3d::prelude::{PhysicsPipeline, PhysicsWorld, RigidBodyHandle};
 use scene::Scene;
@@ -100,6 +103,17 @@ impl PhysicalPlant {
     /// smoothly from those of the last period. What is left of a physics step at the end of a period is made up
     /// for in the next. A plant that failed with [`Failure::NonFinite`] no longer changes.
     pub fn advance(&mut self, rates: &InputVector, human: &HumanCommand, period: f64) -> Observation {
+        self.advance_observed(rates, human, period, None)
+    }
+
+    /// As [`PhysicalPlant::advance`]; an observer sees every physics step.
+    pub fn advance_observed(
+        &mut self,
+        rates: &InputVector,
+        human: &HumanCommand,
+        period: f64,
+        mut observer: Option<&mut dyn FnMut(&PhysicsStep)>,
+    ) -> Observation {
         let goal = match human {
             HumanCommand::Walk { hand } => [hand.position.x, hand.position.y, hand.yaw],
             HumanCommand::Follow => [0.0; 3],
@@ -122,7 +136,7 @@ impl PhysicalPlant {
         self.human.begin(human, steps as f64 * dt);
         let noise = Coefficients::new(dt);
         for _ in 0..steps {
-            if self.substep(dt, &noise).is_none() {
+            if self.substep(dt, &noise, &mut observer).is_none() {
                 break;
             }
         }
@@ -178,7 +192,12 @@ impl PhysicalPlant {
     }
 
     /// One physics step of a sound state. `None` if the result is not sound.
-    fn substep(&mut self, dt: f64, noise: &Coefficients) -> Option<()> {
+    fn substep(
+        &mut self,
+        dt: f64,
+        noise: &Coefficients,
+        observer: &mut Option<&mut dyn FnMut(&PhysicsStep)>,
+    ) -> Option<()> {
         let sensed = self.sensed_object()?;
         self.human.step(&sensed, dt);
         let hand = self.human.hand(self.height);
@@ -187,7 +206,7 @@ impl PhysicalPlant {
             let body = self.world.bodies.get_mut(handle)?;
             body.set_next_kinematic_position(convert::to_rapier_from(body.position(), &pose));
         }
-        self.robot.drive(&mut self.world, dt)?;
+        let base_rates = self.robot.drive(&mut self.world, dt)?;
         let [gripper, hand] = [self.gripper.axes(&self.world)?, self.hand.axes(&self.world)?];
         self.step_within_limits()?;
         self.steps += 1;
@@ -198,7 +217,29 @@ impl PhysicalPlant {
         let velocity = convert::vector(self.world.bodies.get(self.object)?.linvel());
         self.accumulator.add(&samples, velocity, (dt, noise));
         self.accumulator.touches.add(&self.world, dt);
+        if let Some(observer) = observer {
+            observer(&self.step_made(base_rates, samples.map(|sample| sample.wrench), dt)?);
+        }
         Some(())
+    }
+
+    /// The last physics step, of `dt` seconds, for an observer. `None` if the bodies are gone.
+    fn step_made(&self, base_rates: [f64; 3], grips: [Wrench; 2], dt: f64) -> Option<PhysicsStep> {
+        let pose = |handle| self.world.bodies.get(handle).map(|body| convert::pose(body.position()));
+        let (hand, body) = (pose(self.hand_body)?, self.world.bodies.get(self.hand_body)?);
+        let [linear, angular] = [body.linvel(), body.angvel()].map(convert::vector);
+        // the hand is level, and turns about z alone
+        let turned = Rotation3::from_axis_angle(&Vector3::z_axis(), -angular.z * dt / 2.0) * hand.rotation;
+        Some(PhysicsStep {
+            time: self.steps as f64 * dt,
+            base_rates,
+            rests: self.robot.rests(),
+            hand,
+            hand_velocity: [linear, angular].map(|vector| turned.inverse() * vector),
+            torso: pose(self.torso_body)?,
+            object: pose(self.object)?,
+            grips,
+        })
     }
 
     /// Steps the world such that the arm's motors keep their limits: where one exceeds its own, the step is

@@ -28,6 +28,30 @@ const WINDUP_LIMIT: f64 = 0.02;
 /// Distance to its limit at which a joint gets a stop, rad or m.
 const STOP_DISTANCE: f64 = 0.1;
 
+/// The spring and damper of a motor, or of a gear.
+pub(super) struct MotorSpring {
+    /// Largest effort, Nm or N; [`NO_LIMIT`] without one.
+    pub most: f64,
+    /// Stiffness, Nm/rad or N/m, and damping, the same times s.
+    pub stiffness: f64,
+    pub damping: f64,
+}
+
+impl MotorSpring {
+    /// Spring and damper of a joint.
+    pub fn of(joint: &Joint) -> Self {
+        let limit = joint.limits.effort;
+        let most = if joint.mimic.is_none() && limit > 0.0 { limit.min(NO_LIMIT) } else { NO_LIMIT };
+        let stiffness = STIFFNESS_PER_EFFORT * most.min(UNLIMITED_EFFORT);
+        Self { most, stiffness, damping: stiffness / STIFFNESS_PER_DAMPING }
+    }
+
+    /// The largest effort, Nm or N; `None` without a limit.
+    pub fn limit(&self) -> Option<f64> {
+        Some(self.most).filter(|most| *most < NO_LIMIT)
+    }
+}
+
 /// The motor of a joint.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Motor {
@@ -46,7 +70,7 @@ pub(super) struct Motor {
     pub damping: f64,
     limits: [f64; 2],
     /// Rest position of the spring, as set in the last step.
-    rest: f64,
+    pub rest: f64,
     /// The effort that takes the place of spring and damper in the last step, Nm or N: it is at its limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     at_limit: Option<f64>,
@@ -61,10 +85,7 @@ impl Motor {
         (driver, start): (usize, f64),
         robot: &Robot,
     ) -> Self {
-        let is_own = joint.mimic.is_none();
-        let limit = joint.limits.effort;
-        let effort = if is_own && limit > 0.0 { limit.min(NO_LIMIT) } else { NO_LIMIT };
-        let stiffness = STIFFNESS_PER_EFFORT * effort.min(UNLIMITED_EFFORT);
+        let MotorSpring { most, stiffness, damping } = MotorSpring::of(joint);
         let ArmJoint { lower, upper, .. } = robot.joints[driver];
         Self {
             handle,
@@ -72,10 +93,10 @@ impl Motor {
             ratio: joint.coupling.ratio,
             offset: joint.coupling.offset,
             slides: joint.kind == JointKind::Prismatic,
-            is_own,
-            most: effort,
+            is_own: joint.mimic.is_none(),
+            most,
             stiffness,
-            damping: stiffness / STIFFNESS_PER_DAMPING,
+            damping,
             limits: [lower.max(-1e9), upper.min(1e9)],
             rest: joint.coupling.ratio * start + joint.coupling.offset,
             at_limit: None,
@@ -193,6 +214,12 @@ impl Motor {
     }
 }
 
+/// The stops of a joint, rad or m; `None` where it has none: it mimics another, or turns without end.
+pub(super) fn stops(joint: &Joint, driver: &ArmJoint) -> Option<[f64; 2]> {
+    let has_stops = joint.mimic.is_none() && driver.lower.is_finite() && driver.upper.is_finite();
+    has_stops.then_some([driver.lower, driver.upper])
+}
+
 /// The joint between two clusters, with limits.
 pub(super) fn joint_data(joint: &Joint, driver: &ArmJoint, frame: Pose) -> GenericJoint {
     let slides = joint.kind == JointKind::Prismatic;
@@ -207,8 +234,8 @@ pub(super) fn joint_data(joint: &Joint, driver: &ArmJoint, frame: Pose) -> Gener
         .contacts_enabled(false)
         .local_frame1(to_rapier(&frame) * basis)
         .local_frame2(basis);
-    if joint.mimic.is_none() && driver.lower.is_finite() && driver.upper.is_finite() {
-        data = data.limits(axis, [driver.lower, driver.upper]);
+    if let Some(stops) = stops(joint, driver) {
+        data = data.limits(axis, stops);
     }
     data.build()
 }

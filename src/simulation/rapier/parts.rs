@@ -40,9 +40,14 @@ impl Group {
         }
     }
 
+    /// Its bit, and the bits of the groups that it touches.
+    pub fn bits(self) -> [u32; 2] {
+        [self.bit(), self.touches().iter().fold(0, |bits, group| bits | group.bit())]
+    }
+
     fn interaction(self) -> InteractionGroups {
-        let filter = self.touches().iter().fold(0, |bits, group| bits | group.bit());
-        InteractionGroups::new(self.bit().into(), filter.into(), InteractionTestMode::And)
+        let [own, filter] = self.bits();
+        InteractionGroups::new(own.into(), filter.into(), InteractionTestMode::And)
     }
 }
 

@@ -9,10 +9,10 @@ use super::parts::{Group, Parts};
 use super::{BodyKind, Failure, PhysicsSettings};
 use crate::error::{Error, ErrorKind, Place};
 use crate::geometry::{PlanarPose, Pose, direction};
-use crate::robot::{JointVector, Robot};
+use crate::robot::{Configuration, JointVector, Robot};
 use crate::simulation::KinematicPlant;
-use crate::simulation::convert::to_rapier;
-use crate::world::{Part, World};
+use crate::simulation::convert::{to_matrix, to_rapier};
+use crate::world::{CarriedObject, Part, World};
 use nalgebra::Matrix3;
 use rapier3d::math::Vector;
 use rapier3d::parry::query::intersection_test;
@@ -80,16 +80,37 @@ pub(super) struct Scene<'a> {
     pub seed: u64,
 }
 
+/// A team that stands at its start.
+pub(super) struct LinedUp {
+    pub robot: Configuration,
+    /// The hand, at the object's front end.
+    pub front: PlanarPose,
+}
+
+impl LinedUp {
+    /// A team whose object has its centre and heading at `team`, and a length of twice `reach` (m).
+    pub fn new(robot: &Robot, joints: &JointVector, team: &PlanarPose, reach: f64) -> Self {
+        let along = direction(team.yaw) * reach;
+        let rear = PlanarPose { position: team.position - along, yaw: team.yaw };
+        let front = PlanarPose { position: team.position + along, yaw: team.yaw };
+        Self { robot: *KinematicPlant::place(robot, joints, &rear).configuration(), front }
+    }
+}
+
+/// Inertia of the object about its centre, kg m^2: that of a homogeneous box.
+pub(super) fn object_inertia(object: &CarriedObject) -> Matrix3<f64> {
+    let [x, y, z] = object.size;
+    let squares = [y * y + z * z, x * x + z * z, x * x + y * y];
+    Matrix3::from_diagonal(&nalgebra::Vector3::from(squares)) * (object.mass / 12.0)
+}
+
 impl Scene<'_> {
     /// The plant at rest. `None` if rapier does not accept the robot.
     pub fn build(&self) -> Option<PhysicalPlant> {
         let Self { robot, joints, team, settings, .. } = *self;
         let object = &self.world.object;
         let (reach, height) = (object.size[0] / 2.0, robot.grasp_height);
-        let along = direction(team.yaw) * reach;
-        let rear = PlanarPose { position: team.position - along, yaw: team.yaw };
-        let front = PlanarPose { position: team.position + along, yaw: team.yaw };
-        let start = *KinematicPlant::place(robot, joints, &rear).configuration();
+        let LinedUp { robot: start, front } = LinedUp::new(robot, joints, team, reach);
 
         let mut world = PhysicsWorld::new();
         world.gravity = Vector::new(0.0, 0.0, -GRAVITY);
@@ -111,13 +132,8 @@ impl Scene<'_> {
         }
 
         let [x, y, z] = object.size;
-        let squares = [y * y + z * z, x * x + z * z, x * x + y * y];
-        let inertia = Matrix3::from_diagonal(&nalgebra::Vector3::from(squares)) * (object.mass / 12.0);
-        let mass = MassProperties::with_inertia_matrix(
-            Vector::ZERO,
-            object.mass,
-            crate::simulation::convert::to_matrix(&inertia),
-        );
+        let inertia = to_matrix(&object_inertia(object));
+        let mass = MassProperties::with_inertia_matrix(Vector::ZERO, object.mass, inertia);
         let object_body = world.insert_body(
             RigidBodyBuilder::dynamic()
                 .pose(to_rapier(&team.at_height(height)))

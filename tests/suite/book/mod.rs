@@ -86,6 +86,7 @@ pages! {
     the_page_of_policies_can_be_followed: "book/src/policies.md",
     the_page_of_studies_can_be_followed: "book/src/studies.md",
     the_page_of_recordings_can_be_followed: "book/src/recordings.md",
+    the_page_of_mujoco_can_be_followed: "book/src/mujoco.md",
     the_page_of_the_page_can_be_followed: "book/src/page.md",
     the_page_of_snapshots_can_be_followed: "book/src/snapshots.md",
     the_page_of_files_that_are_not_trusted_can_be_followed: "book/src/untrusted.md",

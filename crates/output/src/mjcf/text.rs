@@ -1,0 +1,95 @@
+//! Names, numbers and poses as MJCF has them.
+
+use cocarry::geometry::Pose;
+use nalgebra::{Rotation3, UnitQuaternion, Vector3};
+use std::collections::BTreeSet;
+
+/// A name with its prefix that is not among `names` yet, and is now.
+pub fn unique(names: &mut BTreeSet<String>, prefix: &str, name: &str) -> String {
+    let plain = format!("{prefix}{}", printable(name));
+    let numbered = (2..).map(|n: u64| format!("{plain}:{n}"));
+    let free = std::iter::once(plain.clone()).chain(numbered).find(|name| !names.contains(name));
+    let free = free.unwrap_or(plain);
+    names.insert(free.clone());
+    free
+}
+
+/// A text without the characters that XML does not allow; other blanks become spaces.
+fn printable(text: &str) -> String {
+    let fit = |c: char| match c {
+        c if c.is_whitespace() => ' ',
+        '\u{fffe}' | '\u{ffff}' => '\u{fffd}',
+        c if c.is_control() => '\u{fffd}',
+        c => c,
+    };
+    text.chars().map(fit).collect()
+}
+
+/// A text for an attribute.
+pub fn escaped(text: &str) -> String {
+    printable(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// A text for a comment, which two hyphens would end.
+pub fn for_comment(text: &str) -> String {
+    let mut text = printable(text);
+    while text.contains("--") {
+        text = text.replace("--", "- -");
+    }
+    text
+}
+
+/// A pose as attributes.
+pub fn placed(pose: &Pose) -> String {
+    let mut text = format!("pos=\"{}\"", vector(&pose.translation.vector));
+    if pose.rotation != Rotation3::identity() {
+        text += &format!(" quat=\"{}\"", quaternion(pose));
+    }
+    text
+}
+
+/// The rotation of a pose: w, x, y, z.
+pub fn quaternion(pose: &Pose) -> String {
+    let turn = UnitQuaternion::from_rotation_matrix(&pose.rotation);
+    numbers(&[turn.w, turn.i, turn.j, turn.k])
+}
+
+/// A vector.
+pub fn vector(vector: &Vector3<f64>) -> String {
+    numbers(vector.as_slice())
+}
+
+/// Numbers, with blanks in between.
+pub fn numbers(numbers: &[f64]) -> String {
+    numbers.iter().map(|value| number(*value)).collect::<Vec<_>>().join(" ")
+}
+
+/// A number that is read back with the same bits.
+pub fn number(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".to_owned(),
+        1e-5..1e16 => format!("{value}"),
+        _ => format!("{value:e}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_cannot_leave_their_place() {
+        assert_eq!(escaped("a\"><b&\u{1}\n"), "a&quot;&gt;&lt;b&amp;\u{fffd} ");
+        assert!(!for_comment("-->--").contains("--"));
+        let mut names = BTreeSet::new();
+        let named: Vec<String> = ["a", "a\u{1}", "a\u{2}", "a"].map(|n| unique(&mut names, "r/", n)).into();
+        assert_eq!(named, ["r/a", "r/a\u{fffd}", "r/a\u{fffd}:2", "r/a:2"]);
+    }
+
+    #[test]
+    fn numbers_are_read_back_with_the_same_bits() {
+        for value in [0.1 + 0.2, -1e-300, 1e300, -0.0, 12_345.678, 5e-324] {
+            assert_eq!(number(value).parse::<f64>().unwrap(), value);
+        }
+    }
+}
