@@ -13,6 +13,9 @@ use cocarry_output::mjcf::{Mjcf, Scene, mjcf};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+/// The largest number of bodies of a robot, each of which may be an element within the last one.
+const MAX_BODIES: usize = 1000;
+
 pub(super) fn export_mjcf(arguments: &ExportArguments, file: &Path) -> Result<ExitCode, Failure> {
     let scenario = arguments.team.scenario_in(arguments.world())?;
     if scenario.plant.physics().is_none() {
@@ -82,6 +85,13 @@ fn written(prepared: &PreparedScenario) -> Result<Mjcf, Failure> {
     let team = PlanarPose::from_above(&episode.observation().ok_or_else(missing)?.object);
     let (world, robot) = (prepared.world(), manipulator.robot);
     let model = PlantModel::new(world, robot, &manipulator.posture, &team, physics);
+    if model.bodies.len() > MAX_BODIES {
+        return Err(input(anyhow!(
+            "{}: {} links move against each other; a file for MuJoCo has at most {MAX_BODIES}",
+            robot.texts.file,
+            model.bodies.len()
+        )));
+    }
     Ok(mjcf(&Scene { name: &world.name, world, robot, model: &model }))
 }
 
