@@ -19,7 +19,8 @@ const ANGULAR: [JointAxis; 3] = [JointAxis::AngX, JointAxis::AngY, JointAxis::An
 pub(super) struct Stiffness {
     /// Linear stiffness, N/m.
     pub linear: f64,
-    /// Angular stiffness, Nm/rad.
+    /// rapier's coefficient of the angular springs, Nm/rad: their stiffness, and twice that at a link of a
+    /// multibody, where its springs follow the sine of half the angle.
     pub angular: f64,
     /// Largest force, N, and torque, Nm.
     pub most: [f64; 2],
@@ -37,7 +38,8 @@ impl Stiffness {
         load * GRAVITY / self.linear
     }
 
-    /// The robot's gripper, of a linear stiffness.
+    /// The robot's gripper, of a linear stiffness. It holds a link: its angular stiffness is half of the
+    /// coefficient, 500 Nm/rad by default.
     pub fn of_gripper(linear: f64) -> Self {
         Self { linear, angular: 1000.0 * (linear / 20_000.0), most: [2000.0, 400.0] }
     }
