@@ -138,10 +138,11 @@ fn run_episodes(
     out: &Path,
 ) -> Result<(u64, u64), Failure> {
     let to = SweepOutputs { rows: out, ticks: arguments.ticks.as_deref(), overwrite: arguments.overwrite };
+    // before the file is there: from then on a signal finds someone who says what is in it
+    let interrupt = Interrupt::caught()?;
     let sweep = Sweep::open(study, arguments.shard, to).map_err(failure)?;
     let (kept, episodes) = (sweep.kept(), sweep.episodes());
     let bar = Progress::new((episodes - kept) as usize, "episodes");
-    let interrupt = Interrupt::caught()?;
     let done = arguments.common.on_threads(|| sweep.run_with(policies, &|| bar.step(), interrupt.flag()))?;
     bar.finish();
     policies.failure().map_or(Ok(()), |error| Err(input(error)))?;
