@@ -15,8 +15,8 @@ const RIM_SHARE: f64 = 0.8;
 /// distance.
 const HITCH_SHARE: f64 = 0.6;
 
-/// The way ahead and back (m) below which an arm is taken to have no room for what a bend asks of it: TIAGo dual's,
-/// of 0.22 m, has not; UR3's, of 0.35 m, has.
+/// The way ahead and back (m) below which an arm is taken to have no room for what a bend asks of it: TIAGo
+/// dual's, of 0.22 m, has not; UR3's, of 0.35 m, has.
 const LITTLE_REACH_M: f64 = 0.25;
 
 /// What a base follows.

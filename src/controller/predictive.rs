@@ -149,8 +149,8 @@ impl<'a> Predictive<'a> {
 
     /// Inputs with which a free base follows its grasp like a trailer.
     ///
-    /// DEVIATION (eq. 7): with the weights of eq. (7) alone, such a base turns away while its grasp goes straight
-    /// ahead, until its arm has come to its limits.
+    /// DEVIATION (eq. 7): with the weights of eq. (7) alone, such a base turns away while its grasp goes
+    /// straight ahead, until its arm has come to its limits.
     fn trailing(&self, target: &Configuration, grasp: &Pose) -> Option<BaseInputs> {
         let guide = self.trailer.as_ref()?;
         let at = PlanarPose::from_above(grasp);

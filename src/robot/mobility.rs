@@ -19,8 +19,8 @@ const ON_AXIS_M: f64 = 1e-3;
 /// How far ahead of the axle the arm must turn its grasp at least, m: nearer, the base would have to turn on
 /// the spot at every step to the side.
 const MIN_HINGE_M: f64 = 0.02;
-/// A straight way in steps (m), 8 m in all, and the angle (rad) by which a base that turns away has turned on it:
-/// of 18 published robots, five turn by more than 1.4 rad, the others by less than 0.15.
+/// A straight way in steps (m), 8 m in all, and the angle (rad) by which a base that turns away has turned on
+/// it: of 18 published robots, five turn by more than 1.4 rad, the others by less than 0.15.
 const STRAIGHT_STEP_M: f64 = 0.1;
 const STRAIGHT_STEPS: usize = 80;
 const TURNED_AWAY_RAD: f64 = 0.5;
@@ -150,8 +150,8 @@ impl Robot {
         Some(-turning.weighted(&InputVector::repeat(1.0))?[MAX_JOINTS + 1])
     }
 
-    /// Whether a differential base turns away while its grasp goes straight ahead by the least inputs, as eq. (7)
-    /// moves it where nothing else counts: on most bases the grasp stays ahead, or comes back there.
+    /// Whether a differential base turns away while its grasp goes straight ahead by the least inputs, as eq.
+    /// (7) moves it where nothing else counts: on most bases the grasp stays ahead, or comes back there.
     pub fn turns_away(&self, joints: &JointVector) -> bool {
         let mut q = Self::at_origin(joints);
         !self.drive.is_omnidirectional()

@@ -101,8 +101,8 @@ impl Decisions {
         self.policy.is_some()
     }
 
-    /// Whether a human decided whom the scenario does not describe, one of another program. A human who was steered is
-    /// the scenario's all the same.
+    /// Whether a human decided whom the scenario does not describe, one of another program. A human who was
+    /// steered is the scenario's all the same.
     pub fn has_custom_human(&self) -> bool {
         self.human.is_some() && !self.has_changes
     }

@@ -25,8 +25,9 @@ GRAVITY, SIZE, MASS = 9.81, [1.2, 0.1, 0.1], 4.0
 PLANNING_STEP = 0.2
 # bars: kg m^2 and kg; m and rad; N
 MATRIX_BAR, FRAME_BAR, MESH_BAR, STATIC_BAR = 1e-9, 1e-9, 1e-7, 1e-6
-# a replayed episode: where the object is (m); forces of either grip over planning steps, as a share of their rms with and
-# without the weight that the grip bears at rest. Nearly all of it is the program's step of 10 ms: see --steps
+# a replayed episode: where the object is (m); forces of either grip over planning steps, as a share of their
+# rms with and without the weight that the grip bears at rest. Nearly all of it is the program's step of 10 ms:
+# see --steps
 END_BAR, ALONG_BAR, FORCE_BAR, MOVING_BAR = 0.002, 0.005, 0.05, 0.25
 
 

@@ -398,8 +398,8 @@ fn a_described_base_carries() {
     assert_eq!(run.status.code(), Some(0), "{}{}", stdout(&run), stderr(&run));
 }
 
-/// What stands to the side out of the balls that eq. (7) keeps off obstacles has room within the width, and 5 cm
-/// more to each side.
+/// What stands to the side out of the balls that eq. (7) keeps off obstacles has room within the width, and 5
+/// cm more to each side.
 #[test]
 fn a_base_is_as_wide_as_an_elbow_that_stands_out() {
     let draft = Urdf::sound().drafted(&found());

@@ -46,8 +46,8 @@ fn dexterity_counts_directions_that_the_arm_lacks() {
     assert_eq!(robot.missing_motions(&robot.postures[0].joints), ["move it sideways", "roll it"]);
 }
 
-/// The grasp goes straight ahead: an upright arm leaves its base behind it, and so does a hinge; a telescope to the
-/// side does not.
+/// The grasp goes straight ahead: an upright arm leaves its base behind it, and so does a hinge; a telescope to
+/// the side does not.
 #[test]
 fn eq_7_turns_some_bases_away() {
     let carrier = Robot::built_in().expect("the robot");

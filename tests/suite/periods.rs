@@ -137,7 +137,8 @@ fn a_hand_from_outside_has_a_target_in_every_control_period() {
     std::fs::write(&file, recorded).expect("a file");
     let output = cocarry(&["replay", file.to_str().expect("a name")]);
     assert!(output.status.success(), "{}", stderr(&output));
-    // its page says that nobody can go on from there: this human is not in the recording, nor are their parameters
+    // its page says that nobody can go on from there: this human is not in the recording, nor what they are
+    // like
     let page = folder.path().join("hand.html");
     let output = cocarry(&["render", file.to_str().expect("a name"), "-o", page.to_str().expect("a name")]);
     assert!(output.status.success(), "{}", stderr(&output));

@@ -9,3 +9,4 @@ pub mod mjcf;
 pub mod output_file;
 pub mod palette;
 pub mod player;
+mod xml;

@@ -1,19 +1,20 @@
 //! A scenario's bodies as MuJoCo's MJCF: robot, object, grips, hand, torso and obstacles, and a keyframe of the
 //! start.
 //!
-//! Collision shapes are primitives and convex hulls, whose vertices are in the file; visual meshes are left out.
+//! Collision shapes are primitives and convex hulls, with their vertices in the file; visual meshes are left
+//! out.
 
 mod actuators;
 mod text;
 
+use crate::xml::escaped;
 use actuators::{controls, gears, gripper};
 use cocarry::geometry::Pose;
 use cocarry::robot::{Geometry, Robot, Shape};
 use cocarry::simulation::{ContactGroup, HAND_RADIUS, JointModel, PlantModel, TORSO_HEIGHT, TORSO_RADIUS};
 use cocarry::world::{Part, World};
 use nalgebra::{Matrix3, Quaternion, Rotation3, SymmetricEigen, Translation3, UnitQuaternion, Vector3};
-use std::collections::BTreeSet;
-use text::{escaped, for_comment, number, numbers, placed, quaternion, unique, vector};
+use text::{Names, for_comment, number, numbers, placed, quaternion, vector};
 
 /// Timestep of the file, s. MuJoCo keeps forces between kinematic trees, such as those of the hand's grip,
 /// explicit: at 2 ms a grip's force is several per cent off.
@@ -62,22 +63,30 @@ pub struct Mjcf {
 
 /// Writes a scene as MJCF. The units are those of MuJoCo: SI and radians.
 pub fn mjcf(scene: &Scene) -> Mjcf {
+    let Scene { robot, model, .. } = *scene;
+    let (mut links, mut joints) = (Names::default(), Names::default());
+    let joint_name = |link: usize| robot.links[link].joint.as_ref().map_or("", |joint| &joint.name);
     let writer = Writer {
         scene: *scene,
-        geoms: BTreeSet::new(),
+        links: robot.links.iter().map(|link| links.unique("robot/", &link.name)).collect(),
+        joints: model.bodies.iter().map(|body| joints.unique("robot/", joint_name(body.link))).collect(),
+        geoms: Names::default(),
         meshes: Vec::new(),
         bodies: String::new(),
         start: Vec::new(),
         notes: Vec::new(),
-        names: scene.robot.links.iter().map(|_| String::new()).collect(),
     };
     writer.write()
 }
 
 struct Writer<'a> {
     scene: Scene<'a>,
+    /// Names of the robot's links.
+    links: Vec<String>,
+    /// Names of the bodies' joints; the base's is used by none.
+    joints: Vec<String>,
     /// Names of geoms so far.
-    geoms: BTreeSet<String>,
+    geoms: Names,
     /// Vertices of meshes so far.
     meshes: Vec<Vec<Vector3<f64>>>,
     /// The elements of the world's body so far.
@@ -85,32 +94,20 @@ struct Writer<'a> {
     /// `qpos` at the start so far.
     start: Vec<f64>,
     notes: Vec<String>,
-    /// Unique names of the robot's links, and of their joints.
-    names: Vec<String>,
 }
 
 impl Writer<'_> {
     fn write(mut self) -> Mjcf {
         let Scene { name, world, robot, model } = self.scene;
-        let mut links = BTreeSet::new();
-        self.names = robot.links.iter().map(|link| unique(&mut links, "robot/", &link.name)).collect();
-        let mut joints = BTreeSet::new();
-        let joint_names: Vec<String> = model
-            .bodies
-            .iter()
-            .map(|body| robot.links[body.link].joint.as_ref().map_or("", |joint| &joint.name))
-            .map(|name| unique(&mut joints, "robot/", name))
-            .collect();
-
         for obstacle in &world.obstacles {
             for part in &obstacle.parts {
                 self.add_obstacle(&obstacle.name, part);
             }
         }
-        self.add_body(0, &joint_names, 2);
+        self.add_body(0, 2);
         self.add_human();
 
-        let controls = controls(model, robot.joints.len(), &joint_names);
+        let controls = controls(model, robot.joints.len(), &self.joints);
         let ctrl: Vec<f64> = controls.iter().map(|control| control.start).chain([0.0; 3]).collect();
         let mut missing: Vec<String> = MISSING.map(str::to_owned).into();
         let [force, _, torque] = model.base_limits;
@@ -158,7 +155,7 @@ impl Writer<'_> {
         text += "    <geom name=\"floor\" type=\"plane\" size=\"0 0 1\" contype=\"0\" conaffinity=\"0\" rgba=\"0.9 0.9 0.9 1\"/>\n";
         text += &self.bodies;
         text += "  </worldbody>\n";
-        text += &gears(&model.bodies, &joint_names);
+        text += &gears(&model.bodies, &self.joints);
         text += "  <actuator>\n";
         text += &controls.iter().map(|control| control.text.as_str()).collect::<String>();
         text += &gripper(&model.gripper);
@@ -216,7 +213,7 @@ impl Writer<'_> {
         shape: &str,
         pose: &Pose,
     ) {
-        let name = unique(&mut self.geoms, prefix, name);
+        let name = self.geoms.unique(prefix, name);
         let class = class(group);
         self.bodies += &format!(
             "{:depth$}<geom class=\"{class}\" name=\"{}\" {shape} {}/>\n",
@@ -228,10 +225,10 @@ impl Writer<'_> {
     }
 
     /// Adds a body of the robot with all below it.
-    fn add_body(&mut self, i: usize, joint_names: &[String], depth: usize) {
+    fn add_body(&mut self, i: usize, depth: usize) {
         let Scene { robot, model, .. } = self.scene;
         let body = &model.bodies[i];
-        let (name, blank) = (&self.names[body.link], " ".repeat(2 * depth));
+        let (name, blank) = (&self.links[body.link], " ".repeat(2 * depth));
         let pose = body.joint.as_ref().map_or(Pose::identity(), |joint| joint.parent_from_joint);
         let mut text = format!("{blank}<body name=\"{}\" {} gravcomp=\"1\">\n", escaped(name), placed(&pose));
         let (inertia, raised) = acceptable(&body.inertia);
@@ -260,7 +257,7 @@ impl Writer<'_> {
                 self.start.extend([base.position.x, base.position.y, base.yaw]);
             }
             Some(joint) => {
-                text += &format!("{blank}  {}\n", joint_element(joint, &joint_names[i]));
+                text += &format!("{blank}  {}\n", joint_element(joint, &self.joints[i]));
                 self.start.push(joint.start);
             }
         }
@@ -280,7 +277,7 @@ impl Writer<'_> {
         }
         for (child, other) in model.bodies.iter().enumerate() {
             if other.joint.as_ref().is_some_and(|joint| joint.parent == i) {
-                self.add_body(child, joint_names, depth + 1);
+                self.add_body(child, depth + 1);
             }
         }
         self.bodies += &format!("{blank}</body>\n");

@@ -38,8 +38,9 @@ pub(super) struct ExportArguments {
     output: Option<PathBuf>,
     #[command(flatten)]
     overwrite: OverwriteArguments,
-    /// Write robot, object, grips, hand, torso and obstacles of a scenario in this world as MuJoCo's MJCF. Takes
-    /// the scenario's options of `cocarry run`, such as --seed, --robot, --posture and --gripper-stiffness
+    /// Write robot, object, grips, hand, torso and obstacles of a scenario in this world as MuJoCo's MJCF.
+    /// Takes the scenario's options of `cocarry run`, such as --seed, --robot, --posture and
+    /// --gripper-stiffness
     #[arg(long, value_name = "FILE", value_parser = xml_file, conflicts_with_all = ["stdout", "output"], help_heading = MUJOCO)]
     pub mjcf: Option<PathBuf>,
     /// Run the episode, and write for every physics step its time, the controls of the file's actuators, the

@@ -36,7 +36,7 @@ pub(super) fn export_mjcf(arguments: &ExportArguments, file: &Path) -> Result<Ex
     let outputs = arguments.overwrite().outputs(inputs_of(&scenario).chain(samples), &files)?;
     let prepared = with_spinner("preparing the world", || scenario.prepare()).map_err(input)?;
     prepared.warnings().iter().for_each(warn);
-    let written = written(&prepared)?;
+    let written = scene(&prepared)?;
     let text = outputs.begin(file, &written.text).map_err(unwritten)?;
     let Some(motors) = &arguments.motors else {
         text.finish().map_err(unwritten)?;
@@ -44,11 +44,16 @@ pub(super) fn export_mjcf(arguments: &ExportArguments, file: &Path) -> Result<Ex
         return Ok(ExitCode::SUCCESS);
     };
 
-    let log = MotorLog::begin(outputs.create(motors).map_err(unwritten)?, motors, &written.controls)?;
+    let interrupt = Interrupt::caught()?;
+    let log = MotorLog::begin(
+        outputs.create(motors).map_err(unwritten)?,
+        motors,
+        &written.controls,
+        prepared.robot().map_or(0, |robot| robot.joints.len()),
+    )?;
     let observer = log.observer();
     let mut episode =
         prepared.builder().map_err(input)?.with_step_observer(observer).begin().map_err(input)?;
-    let interrupt = Interrupt::caught()?;
     let bar = Progress::new(episode.expected_steps() as usize, "episode");
     while !interrupt.is_set() && !log.has_failed() && episode.step().is_none() {
         bar.step();
@@ -76,7 +81,7 @@ pub(super) fn export_mjcf(arguments: &ExportArguments, file: &Path) -> Result<Ex
 }
 
 /// The scene of a prepared scenario.
-fn written(prepared: &PreparedScenario) -> Result<Mjcf, Failure> {
+fn scene(prepared: &PreparedScenario) -> Result<Mjcf, Failure> {
     let missing = || input(anyhow!("--mjcf needs a robot and bodies; use --plant rapier"));
     let scenario = prepared.scenario();
     let (manipulator, physics) = prepared.manipulator().zip(scenario.plant.physics()).ok_or_else(missing)?;
@@ -98,7 +103,5 @@ fn written(prepared: &PreparedScenario) -> Result<Mjcf, Failure> {
 /// What the file does not express, for people.
 fn told(written: &Mjcf) -> String {
     let notes: String = written.notes.iter().map(|note| format!("- {note}\n")).collect();
-    format!(
-        "not in the file, as its first lines say: the human's motion, the limits of the wheels and of the base's motors, contacts of the human with obstacles, and more\n{notes}"
-    )
+    format!("its first lines say what it does not express, such as the human's motion\n{notes}")
 }

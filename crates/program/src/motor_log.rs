@@ -32,16 +32,20 @@ struct Rows {
 }
 
 impl MotorLog {
-    /// A log with the names of its columns: time, controls of these actuators, poses, wrenches.
-    pub fn begin(output: OutputFile, file: &Path, controls: &[String]) -> Result<Self, Failure> {
+    /// A log with the names of its columns: time, controls of these actuators, poses, wrenches. `joints` is the
+    /// number of arm joints.
+    pub fn begin(
+        output: OutputFile,
+        file: &Path,
+        controls: &[String],
+        joints: usize,
+    ) -> Result<Self, Failure> {
         let poses = BODIES.iter().flat_map(|body| POSE.map(|key| format!("{body}_{key}")));
         let wrenches = GRIPS.iter().flat_map(|grip| WRENCH.map(|key| format!("{grip}_{key}")));
         let names = ["time_s".to_owned()].into_iter().chain(controls.iter().cloned());
         let mut table = csv::Writer::from_writer(output);
         let written = table.write_record(names.chain(poses).chain(wrenches));
         written.with_context(|| file.display().to_string()).map_err(Failure::Output)?;
-        // the base has three, the hand six
-        let joints = controls.len().saturating_sub(9);
         let rows = Arc::new(Mutex::new(Rows { table, joints, steps: 0, failure: None }));
         Ok(Self { rows, file: file.to_owned() })
     }

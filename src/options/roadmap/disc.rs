@@ -1,8 +1,6 @@
 //! The discs around obstacle corners and cylinders that taut strings bend around.
 
-use crate::geometry::{
-    Bend, Bounds, Corner, Footprint, Point, Solid, Vector, angle_of, cross, direction, wrap_angle,
-};
+use crate::geometry::{Bend, Bounds, Corner, Footprint, Point, Solid, Vector, angle_of, cross, direction};
 use crate::math;
 use std::f64::consts::TAU;
 
@@ -74,11 +72,11 @@ impl Disc {
         })
     }
 
-    /// Triangles in which all points lie where [`Disc::is_taut`] lets a string touch the disc: the ends of an arc,
-    /// and where the tangents at these meet.
+    /// Triangles in which all points lie where [`Disc::is_taut`] lets a string touch the disc: the ends of an
+    /// arc, and where the tangents at these meet.
     pub fn touched_within(&self) -> impl Iterator<Item = [Point; 3]> {
         let (from, sweep) = self.between.map_or((0.0, TAU), |[first, last]| {
-            let sweep = wrap_angle(angle_of(last) - angle_of(first)).max(0.0);
+            let sweep = (angle_of(last) - angle_of(first)).rem_euclid(TAU);
             (angle_of(first) - EARLY_MARGIN, sweep + 2.0 * EARLY_MARGIN)
         });
         let count = (sweep / ARC_RAD).ceil();

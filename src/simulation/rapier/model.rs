@@ -1,5 +1,5 @@
-//! The model of a physical plant at its start, as plain data: what another simulator has to know to simulate the
-//! same bodies.
+//! The model of a physical plant at its start, as plain data: what another simulator has to know to simulate
+//! the same bodies.
 
 use super::articulation::{BASE_FORCE, BASE_TORQUE};
 use super::base_motor::BaseMotor;
@@ -127,7 +127,8 @@ pub enum ContactGroup {
 }
 
 impl ContactGroup {
-    /// The group's bit, and the bits of all groups that it touches. Two shapes touch if each has the other's bit.
+    /// The group's bit, and the bits of all groups that it touches. Two shapes touch if each has the other's
+    /// bit.
     pub fn bits(self) -> [u32; 2] {
         let group = match self {
             Self::Base => Group::Base,

@@ -2,9 +2,10 @@
 
 use super::kit::{
     Align, INK, Letters, OBSTACLE, OBSTACLE_EDGE, PAPER, Plot, TITLE_SIZE, Text, area, disc, polygon,
-    printable, rectangle, risk_colour, stroke,
+    rectangle, risk_colour, stroke,
 };
 use crate::palette::PLAIN_OPENING;
+use crate::xml::printable;
 use cocarry::geometry::{Bounds, Footprint, Point, Vector, direction};
 use cocarry::world::{Obstacle, World};
 use svg::node::element::{Group, Title};

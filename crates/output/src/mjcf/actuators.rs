@@ -1,7 +1,8 @@
 //! Motors and grips as actuators, and gears as equalities.
 
-use super::text::{escaped, number, numbers};
+use super::text::{number, numbers};
 use super::{AXES, FRONT};
+use crate::xml::escaped;
 use cocarry::simulation::{BodyModel, GripModel, JointModel, PlantModel};
 
 /// Time constant, s, and damping ratio of the gear between a joint and one that mimics it.

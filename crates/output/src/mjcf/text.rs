@@ -1,33 +1,27 @@
 //! Names, numbers and poses as MJCF has them.
 
+use crate::xml::printable;
 use cocarry::geometry::Pose;
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
-/// A name with its prefix that is not among `names` yet, and is now.
-pub fn unique(names: &mut BTreeSet<String>, prefix: &str, name: &str) -> String {
-    let plain = format!("{prefix}{}", printable(name));
-    let numbered = (2..).map(|n: u64| format!("{plain}:{n}"));
-    let free = std::iter::once(plain.clone()).chain(numbered).find(|name| !names.contains(name));
-    let free = free.unwrap_or(plain);
-    names.insert(free.clone());
-    free
-}
+/// Names that are taken, each with the number that the next of the same name gets.
+#[derive(Default)]
+pub struct Names(BTreeMap<String, u64>);
 
-/// A text without the characters that XML does not allow; other blanks become spaces.
-fn printable(text: &str) -> String {
-    let fit = |c: char| match c {
-        c if c.is_whitespace() => ' ',
-        '\u{fffe}' | '\u{ffff}' => '\u{fffd}',
-        c if c.is_control() => '\u{fffd}',
-        c => c,
-    };
-    text.chars().map(fit).collect()
-}
-
-/// A text for an attribute.
-pub fn escaped(text: &str) -> String {
-    printable(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+impl Names {
+    /// A name with its prefix that is not taken yet, and is now.
+    pub fn unique(&mut self, prefix: &str, name: &str) -> String {
+        let plain = format!("{prefix}{}", printable(name));
+        let mut free = plain.clone();
+        while self.0.contains_key(&free) {
+            let number = self.0.entry(plain.clone()).or_insert(2);
+            free = format!("{plain}:{number}");
+            *number += 1;
+        }
+        self.0.insert(free.clone(), 2);
+        free
+    }
 }
 
 /// A text for a comment, which two hyphens would end.
@@ -76,14 +70,16 @@ pub fn number(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::xml::escaped;
 
     #[test]
     fn texts_cannot_leave_their_place() {
         assert_eq!(escaped("a\"><b&\u{1}\n"), "a&quot;&gt;&lt;b&amp;\u{fffd} ");
         assert!(!for_comment("-->--").contains("--"));
-        let mut names = BTreeSet::new();
-        let named: Vec<String> = ["a", "a\u{1}", "a\u{2}", "a"].map(|n| unique(&mut names, "r/", n)).into();
-        assert_eq!(named, ["r/a", "r/a\u{fffd}", "r/a\u{fffd}:2", "r/a:2"]);
+        let mut names = Names::default();
+        let given = ["a", "a\u{1}", "a\u{2}", "a", "a:2", "a"];
+        let named: Vec<String> = given.map(|name| names.unique("r/", name)).into();
+        assert_eq!(named, ["r/a", "r/a\u{fffd}", "r/a\u{fffd}:2", "r/a:2", "r/a:2:2", "r/a:3"]);
     }
 
     #[test]

@@ -31,7 +31,7 @@ pub(super) use palette::{
 pub(super) use shapes::{area, disc, path_data, polygon, px, rectangle, rounded, stroke};
 pub use sheet::Sheet;
 pub(super) use strips::Strips;
-pub(super) use text::{Align, Text, number, printable, wrapped};
+pub(super) use text::{Align, Text, number, wrapped};
 
 use super::WIDTH;
 use cocarry::geometry::{Bounds, Point, Vector};

@@ -2,6 +2,7 @@
 
 use super::letters::{Letters, Run, outlines, width};
 use super::{INK, px, rounded};
+use crate::xml::{escaped, printable};
 use cocarry::geometry::Point;
 use svg::node::element::Element;
 use svg::node::{Blob, Node};
@@ -183,7 +184,7 @@ impl Text {
             };
             // otherwise renderers drop blanks at the ends of a run
             let style = format!("dy=\"{}\"{style} xml:space=\"preserve\"", px(low - lowered));
-            content += &format!("<tspan {style}>{}</tspan>", escape(text));
+            content += &format!("<tspan {style}>{}</tspan>", escaped(text));
             lowered = low;
         }
         let mut element = Element::new("text");
@@ -224,22 +225,6 @@ pub(in super::super) fn number(value: f64, decimals: usize) -> String {
         Some(digits) => format!("\u{2212}{digits}"),
         None => text,
     }
-}
-
-/// `text` without the characters that XML does not allow; line breaks become blanks.
-pub(in super::super) fn printable(text: &str) -> String {
-    let fit = |c: char| match c {
-        c if c.is_whitespace() => ' ',
-        '\u{fffe}' | '\u{ffff}' => '\u{fffd}',
-        c if c.is_control() => '\u{fffd}',
-        c => c,
-    };
-    text.chars().map(fit).collect()
-}
-
-/// `text` escaped for the inside of an XML element.
-fn escape(text: &str) -> String {
-    printable(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 #[cfg(test)]
