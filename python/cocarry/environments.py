@@ -422,7 +422,8 @@ class _VectorEnv(_Resumable, VectorEnv[_Floats, Any, NDArray[Any]]):
                     actions.clear()
                 else:
                     actions.append(np.atleast_1d(given[i]).astype(np.float64).tolist())
-            self._ended = ended.copy() if self.autoreset_mode == AutoresetMode.NEXT_STEP else self._ended
+            if self.autoreset_mode == AutoresetMode.NEXT_STEP:
+                self._ended[:] = ended
 
     def _endings(self, ended: NDArray[np.bool_]) -> dict[str, Any]:
         outcome, summary = (np.full(self.num_envs, None, dtype=object) for _ in range(2))

@@ -121,7 +121,7 @@ def table(runs: list[Episodes]) -> list[str]:
     groups: dict[tuple[str, str], list[Episodes]] = {}
     for run in sorted(runs, key=lambda run: (run[0]["steps_trained"] > 0, run[0]["agent"], run[0]["action"])):
         groups.setdefault((run[0]["agent"], run[0]["action"]), []).append(run)
-    lines = [f"{'agent':15}{'action':10}{'seeds':>5}{'arrived, %':>18}{'steps':>8}{'return':>12}{'minus built-in':>22}{'early, better':>15}"]
+    lines = [f"{'agent':15}{'action':10}{'seeds':>5}{'arrived, %':>18}{'steps':>8}{'return':>12}{'minus built-in':>24}{'early, better':>15}"]
     for (agent, action), of_seeds in groups.items():
         arrived = np.array([[e["outcome"] == "arrived" for e in run] for run in of_seeds])
         returns = np.array([[e["return"] for e in run] for run in of_seeds])
@@ -135,7 +135,7 @@ def table(runs: list[Episodes]) -> list[str]:
         steps = np.mean([e["steps"] for run in of_seeds for e in run])
         lines.append(
             f"{agent:15}{action:10}{len(of_seeds):5}{f'{100 * share:.1f} +- {100 * share_half:.1f}':>18}{steps:8.1f}"
-            f"{returns.mean():12.1f}{f'{mean:+.2f} +- {half:.2f}':>22}{f'{early} of {(~arrived).sum()}':>15}"
+            f"{returns.mean():12.1f}{f'{mean:+.2f} +- {half:.2f}':>24}{f'{early} of {(~arrived).sum()}':>15}"
         )
     return lines
 
