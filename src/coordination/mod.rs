@@ -5,6 +5,9 @@ use crate::math;
 use crate::options::{Remaining, Waypoint};
 use serde::{Deserialize, Serialize};
 
+/// The human takes the lead when phi exceeds this. (Sec. IV-B.2)
+pub const STUBBORNNESS_THRESHOLD: f64 = 1.0;
+
 /// Who leads the team.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -74,7 +77,7 @@ impl Stubbornness {
 
     /// Whether phi(k) > 1: the human takes the lead. (Sec. IV-B.2)
     pub fn is_exhausted(&self) -> bool {
-        self.measure() > 1.0
+        self.measure() > STUBBORNNESS_THRESHOLD
     }
 }
 

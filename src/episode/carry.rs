@@ -3,7 +3,7 @@
 use super::outcome::Done;
 use super::robot_tick::{Period, RobotTick};
 use super::step::Begun;
-use super::{Episode, Tick};
+use super::{EndMotions, Episode, Tick};
 use crate::controller::Way;
 use crate::geometry::Point;
 use crate::plant::Command;
@@ -24,6 +24,8 @@ pub(super) struct Carried {
     position: Point,
     heading: f64,
     seen_at: Point,
+    /// The motion of both ends up to the beginning.
+    ends: Option<EndMotions>,
     /// The number of control periods done, and the number of periods in the step.
     pub periods: [u32; 2],
     robot: Option<RobotTick>,
@@ -41,7 +43,8 @@ impl Episode<'_> {
         let (executed, reverses_for) = self.execute(now, &begun.human, lead);
         let (from, position) = (self.route.along, self.progress.position);
         let heading = self.route.path.heading_at(from).unwrap_or(self.tick.heading);
-        let seen_at = self.plant.observe().position;
+        let seen = self.plant.observe();
+        let (seen_at, ends) = (seen.position, self.tick.ends.or_else(|| EndMotions::at_rest(&seen)));
         let count = self.settings.control_periods().expect("a scenario's check has refused other periods");
         self.plant.begin();
         self.carried = Some(Carried {
@@ -53,6 +56,7 @@ impl Episode<'_> {
             position,
             heading,
             seen_at,
+            ends,
             periods: [0, count],
             robot: None,
             walked: 0.0,
@@ -89,7 +93,7 @@ impl Episode<'_> {
     fn end_step(&mut self, carried: Carried) {
         let now = self.now();
         let Carried { begun, lead, executed, reverses_for, from, position, heading, seen_at, .. } = carried;
-        let Carried { periods: [_, count], robot, walked, .. } = carried;
+        let Carried { periods: [_, count], robot, walked, ends, .. } = carried;
         let robot = robot.map(|robot| robot.mean_of(count));
         let Begun { mut evaluated, mut predicted, human, .. } = begun;
         let objective_cost = evaluated.costs[executed].objective;
@@ -108,6 +112,7 @@ impl Episode<'_> {
             accumulated_cost: self.summary.accumulated_cost + objective_cost,
             options: std::mem::take(predicted.options()),
             robot,
+            ends: ends.and_then(|ends| ends.then(&self.plant.observe(), self.settings.planning_step)),
         };
         let (prospect, risk_weight) = (evaluated.prospects[executed], self.predictor.risk_weight());
         self.summary.add(&Done {
@@ -116,6 +121,8 @@ impl Episode<'_> {
             subjective_cost: human.perception.map(|own| subjective_cost(prospect, risk_weight, own)),
             has_changed: self.human.change(now.step).is_some(),
             walked,
+            shortest: evaluated.prospects.iter().map(|option| option.length).fold(f64::INFINITY, f64::min),
+            speed: self.settings.speed,
             bodies: self.plant.observe().bodies,
             ignores_loss: self.ignores_loss,
         });

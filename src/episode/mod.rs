@@ -11,6 +11,7 @@ mod evaluated;
 mod execute;
 mod human_observer;
 mod learn;
+mod motion;
 mod now;
 mod outcome;
 mod robot_tick;
@@ -28,6 +29,7 @@ pub use crate::plant::Preparation;
 pub use builder::{EpisodeBuilder, Start};
 pub use evaluated::prospects;
 pub use human_observer::{HumanObserver, Sighting};
+pub use motion::{EndMotion, EndMotions, EndSums, MotionSummary};
 pub use outcome::{
     ControlSummary, GRASP_WARNING_RMS_M, HumanSummary, InteractionSummary, LOSS_DISTANCE_M, Loss, Outcome,
     Summary, Transition,

@@ -1,8 +1,8 @@
 //! The outcome and the summary of an episode.
 
-use super::{PhysicsTick, RobotTick, Tick};
+use super::{MotionSummary, PhysicsTick, RobotTick, Tick};
 use crate::control::SolveOutcome;
-use crate::coordination::Mode;
+use crate::coordination::{Mode, STUBBORNNESS_THRESHOLD};
 use crate::geometry::Point;
 use crate::robot::JointVector;
 use crate::simulation::{BodyKind, Contact, Failure, Observation};
@@ -84,6 +84,8 @@ pub struct Summary {
     pub steps: u64,
     /// Distance walked, m.
     pub walked: f64,
+    /// Length of the shortest option at the start, m.
+    pub shortest: f64,
     /// Sum of J of the executed option over the steps, m.
     pub accumulated_cost: f64,
     /// The option executed first.
@@ -98,6 +100,8 @@ pub struct Summary {
     pub human: HumanSummary,
     /// The robot's control cost, in an episode with a robot.
     pub control: Option<ControlSummary>,
+    /// How both ends of the object moved, in an episode with a robot.
+    pub motion: Option<MotionSummary>,
     /// The physical interaction of robot, object and human, on the physical plant.
     pub interaction: Option<InteractionSummary>,
     /// The first contact with an obstacle, which ends an episode.
@@ -121,6 +125,8 @@ pub struct HumanSummary {
     pub preferred_at_start: usize,
     /// Steps in which the executed option was not the one that this human preferred.
     pub steps_off_preference: u64,
+    /// Steps in which the robot led although phi exceeded 1.
+    pub steps_overruled: u64,
     /// Sum over the steps of J^, eq. (2), of the executed option with the human's alpha and gamma at that
     /// step; cost units.
     pub subjective_cost: f64,
@@ -138,7 +144,7 @@ impl HumanSummary {
 }
 
 /// The physical interaction of robot, object and human over an episode.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InteractionSummary {
     /// Number of steps in the sums.
     pub steps: u64,
@@ -151,10 +157,22 @@ pub struct InteractionSummary {
     /// Sums of the squares of the noise of the robot's and of the human's force, its part above 10 Hz, N^2 (in
     /// each planning step the mean square).
     pub squared_force_noise: [f64; 2],
+    /// Sums of the mean magnitudes of the robot's and of the human's horizontal force over the steps, N.
+    pub level_force: [f64; 2],
+    /// Sums of the squares of the motive and of the internal part of both forces, N^2 (in each planning step
+    /// the mean square).
+    pub squared_parts: [f64; 2],
     /// Work that the robot and the human did on the object, J.
     pub work: [f64; 2],
+    /// The part of it that was done while the power was positive, J.
+    pub driving_work: [f64; 2],
     /// Integral of the square of the object's jerk, m^2/s^5.
     pub squared_jerk: f64,
+    /// Least distance of robot, object or human to an obstacle at the end of a step, m; infinite without
+    /// obstacles.
+    pub obstacle_distance: f64,
+    /// Least distance between robot and human at the end of a step, m.
+    pub human_distance: f64,
     /// Largest deflection of a grip, m.
     pub deflection: f64,
     /// Largest motor effort of the arm in a physics step, as a share of the URDF's effort limit.
@@ -162,6 +180,28 @@ pub struct InteractionSummary {
     /// How long each joint's motor was at its limit, s.
     #[serde(default)]
     pub time_at_limit: JointVector,
+}
+
+impl Default for InteractionSummary {
+    fn default() -> Self {
+        Self {
+            steps: 0,
+            hand_force: 0.0,
+            squared_hand_force: 0.0,
+            peak_force: 0.0,
+            squared_force_noise: [0.0; 2],
+            level_force: [0.0; 2],
+            squared_parts: [0.0; 2],
+            work: [0.0; 2],
+            driving_work: [0.0; 2],
+            squared_jerk: 0.0,
+            obstacle_distance: f64::INFINITY,
+            human_distance: f64::INFINITY,
+            deflection: 0.0,
+            effort_share: 0.0,
+            time_at_limit: JointVector::zeros(),
+        }
+    }
 }
 
 impl InteractionSummary {
@@ -173,8 +213,16 @@ impl InteractionSummary {
         for (sum, noise) in self.squared_force_noise.iter_mut().zip(tick.force_noise) {
             *sum += noise * noise;
         }
-        self.work[0] += tick.work[0];
-        self.work[1] += tick.work[1];
+        for (sum, part) in self.squared_parts.iter_mut().zip(tick.force_parts) {
+            *sum += part * part;
+        }
+        for by in 0..2 {
+            self.level_force[by] += tick.level_force[by];
+            self.work[by] += tick.work[by];
+            self.driving_work[by] += tick.driving_work[by];
+        }
+        self.obstacle_distance = self.obstacle_distance.min(tick.obstacle_distance);
+        self.human_distance = self.human_distance.min(tick.human_distance);
         self.squared_jerk += tick.squared_jerk;
         self.deflection = self.deflection.max(tick.deflection[0]).max(tick.deflection[1]);
         self.effort_share = self.effort_share.max(tick.effort_share);
@@ -191,12 +239,33 @@ impl InteractionSummary {
         (self.squared_hand_force / self.steps.max(1) as f64).sqrt()
     }
 
+    /// Root mean squares of the motive and of the internal part of both forces along the object, N.
+    pub fn rms_parts(&self) -> [f64; 2] {
+        self.squared_parts.map(|squared| (squared / self.steps.max(1) as f64).sqrt())
+    }
+
+    /// The human's share of both horizontal forces; `None` if there were none.
+    pub fn human_force_share(&self) -> Option<f64> {
+        human_share(self.level_force)
+    }
+
+    /// The human's share of the work of both that was done while their power was positive; `None` if there was
+    /// none.
+    pub fn human_work_share(&self) -> Option<f64> {
+        human_share(self.driving_work)
+    }
+
     /// The noise of the forces: root mean square of a grip's force above 10 Hz, N; the larger of the two
     /// grips'. See [`Forces::noise`](crate::simulation::Forces::noise).
     pub fn force_noise(&self) -> f64 {
         let [robot, human] = self.squared_force_noise;
         (robot.max(human) / self.steps.max(1) as f64).sqrt()
     }
+}
+
+/// The human's share of what robot and human did.
+fn human_share([robot, human]: [f64; 2]) -> Option<f64> {
+    (robot + human > 0.0).then(|| human / (robot + human))
 }
 
 /// The control cost C of an episode (Sec. V-C), with related figures.
@@ -310,6 +379,10 @@ pub(super) struct Done<'s> {
     pub has_changed: bool,
     /// Distance walked, m.
     pub walked: f64,
+    /// Length of the shortest option at its beginning, m.
+    pub shortest: f64,
+    /// The team's walking speed, m/s.
+    pub speed: f64,
     /// The observation of the bodies at its end.
     pub bodies: Option<&'s Observation>,
     pub ignores_loss: bool,
@@ -317,13 +390,14 @@ pub(super) struct Done<'s> {
 
 impl HumanSummary {
     fn add(&mut self, done: &Done) {
-        let Tick { executed, preferred, stubbornness, discomfort, .. } = *done.tick;
+        let Tick { executed, preferred, stubbornness, discomfort, mode, .. } = *done.tick;
         match done.before {
             None => self.preferred_at_start = preferred,
             Some(before) => self.preferred_option_switches += u32::from(before.preferred != preferred),
         }
         self.preference_changes += u32::from(done.has_changed);
         self.steps_off_preference += u64::from(executed != preferred);
+        self.steps_overruled += u64::from(mode == Mode::RobotLed && stubbornness > STUBBORNNESS_THRESHOLD);
         self.subjective_cost += done.subjective_cost.unwrap_or(0.0);
         (self.stubbornness, self.discomfort) = (stubbornness, discomfort);
     }
@@ -334,7 +408,7 @@ impl Summary {
     pub(super) fn add(&mut self, done: &Done) {
         let tick = done.tick;
         match done.before {
-            None => self.first_option = tick.executed,
+            None => (self.first_option, self.shortest) = (tick.executed, done.shortest),
             Some(before) => {
                 self.option_changes += u32::from(before.executed != tick.executed);
                 if before.mode == Mode::RobotLed && tick.mode == Mode::HumanLed {
@@ -348,6 +422,9 @@ impl Summary {
         self.human.add(done);
         if let Some(robot) = &tick.robot {
             self.add_robot(robot, done.ignores_loss);
+        }
+        if let Some(ends) = &tick.ends {
+            self.motion.get_or_insert_default().add(ends, done.speed);
         }
         if let Some(seen) = done.bodies {
             let obstacle = |contact: &&Contact| contact.between.iter().any(|p| p.kind == BodyKind::Obstacle);
@@ -398,6 +475,7 @@ impl Summary {
             outcome: Outcome::OutOfTime,
             steps: 0,
             walked: 0.0,
+            shortest: f64::INFINITY,
             accumulated_cost: 0.0,
             first_option: 0,
             last_option: 0,
@@ -405,6 +483,7 @@ impl Summary {
             transition: None,
             human: HumanSummary::default(),
             control: None,
+            motion: None,
             interaction: None,
             collision: None,
             loss: None,

@@ -1,6 +1,6 @@
 //! One planning step as data: observations, predictions and decisions.
 
-use super::RobotTick;
+use super::{EndMotions, RobotTick};
 use crate::coordination::{Mode, OptionTick};
 use crate::geometry::Point;
 use serde::{Deserialize, Serialize};
@@ -36,6 +36,8 @@ pub struct Tick {
     pub options: Vec<OptionTick>,
     /// The robot's part, in an episode with a robot.
     pub robot: Option<RobotTick>,
+    /// How both ends of the object moved, in an episode with a robot.
+    pub ends: Option<EndMotions>,
 }
 
 impl Tick {
@@ -55,6 +57,7 @@ impl Tick {
             accumulated_cost: 0.0,
             options: Vec::new(),
             robot: None,
+            ends: None,
         }
     }
 }

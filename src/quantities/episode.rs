@@ -1,7 +1,10 @@
 //! The quantities of an episode as a whole.
 
-use super::{JOULES, Kind, METRES, NEWTONS, PLAIN, Quantity, SECONDS, SQUARED_JERK, View, quantities};
-use crate::episode::{ControlSummary, InteractionSummary, Loss, Outcome, Summary, Transition};
+use super::{
+    ACCELERATION, JERK, JOULES, Kind, METRES, NEWTONS, PLAIN, Quantity, SECONDS, SQUARED_JERK, View,
+    quantities,
+};
+use crate::episode::{ControlSummary, InteractionSummary, Loss, MotionSummary, Outcome, Summary, Transition};
 use crate::simulation::{Contact, Failure, Part};
 use Kind::{Count, Text};
 
@@ -20,6 +23,16 @@ impl View<'_> {
 
     fn control(&self) -> Option<&ControlSummary> {
         self.summary().control.as_ref()
+    }
+
+    fn motion(&self) -> Option<&MotionSummary> {
+        self.summary().motion.as_ref()
+    }
+
+    /// The shortest option at the start as a share of the length walked, of a team that arrived.
+    fn path_efficiency(&self) -> Option<f64> {
+        let summary = self.summary();
+        (self.outcome == Some(Outcome::Arrived)).then(|| summary.shortest / summary.walked)
     }
 
     fn interaction(&self) -> Option<&InteractionSummary> {
@@ -46,10 +59,13 @@ pub const EPISODE: &[Quantity] = quantities! {
     "steps", Count, "steps taken", |v| v.summary().steps;
     "time_s", SECONDS, "simulated time", |v| v.seconds(v.summary().steps);
     "walked_m", METRES, "length of the path walked", |v| v.summary().walked;
+    "path_efficiency", PLAIN, "length of the shortest option at the start as a share of the length walked; missing unless the team arrived", |v| v.path_efficiency();
     "accumulated_objective_cost_m", METRES, "sum over the steps of J of the option executed", |v| v.summary().accumulated_cost;
     "final_stubbornness", PLAIN, "phi in the last step", |v| v.summary().human.stubbornness;
     "final_discomfort", PLAIN, "g in the last step", |v| v.summary().human.discomfort;
     "share_off_preference", PLAIN, "share of the steps off the option that this human preferred, 0 to 1", |v| v.summary().human.share_off_preference(v.summary().steps);
+    "disagreement_time_s", SECONDS, "time in which another option than the one that this human preferred was executed", |v| v.seconds(v.summary().human.steps_off_preference);
+    "overruled_time_s", SECONDS, "time in which the robot led although phi exceeded 1, as a policy may", |v| v.seconds(v.summary().human.steps_overruled);
     "accumulated_subjective_cost", PLAIN, "sum over the steps of J^ of the option executed, eq. (2), with this human's alpha and gamma; cost units", |v| v.summary().human.subjective_cost;
     "preference_change_count", Count, "how often the human's alpha and gamma changed", |v| v.summary().human.preference_changes;
     "preferred_option_switches", Count, "how often the option that the human preferred changed", |v| v.summary().human.preferred_option_switches;
@@ -74,13 +90,29 @@ pub const EPISODE: &[Quantity] = quantities! {
     "least_base_clearance_m", METRES, "least distance between base and obstacles; missing without obstacles", |v| v.control().map(|c| c.least_clearance);
     "self_contact_steps", Count, "steps in which two links of the robot touched each other at the end of a control period, by more than a centimetre", |v| v.control().map(|c| c.self_contact_steps);
     "self_contact", Text, "the first two links that did; missing if none did", |v| v.links(v.control().and_then(|c| c.self_contact));
+    "grasp_acceleration_mean_m_per_s2", ACCELERATION, "mean magnitude of the grasp's acceleration, by differences between the ends of planning steps; missing without a robot", |v| v.motion().map(|m| m.robot().mean_acceleration());
+    "hand_acceleration_mean_m_per_s2", ACCELERATION, "mean magnitude of the acceleration of the human's hand without sway, of s where the human has no body, by differences between the ends of planning steps; missing without a robot", |v| v.motion().map(|m| m.human().mean_acceleration());
+    "grasp_jerk_mean_m_per_s3", JERK, "mean magnitude of the grasp's jerk, by differences between the ends of planning steps; missing without a robot", |v| v.motion().map(|m| m.robot().mean_jerk());
+    "hand_jerk_mean_m_per_s3", JERK, "mean magnitude of the jerk of the human's hand, by differences between the ends of planning steps; missing without a robot", |v| v.motion().map(|m| m.human().mean_jerk());
+    "robot_idle_share", PLAIN, "share of the steps in which the grasp was slower in the mean than a tenth of the walking speed, 0 to 1; missing without a robot", |v| v.motion().map(|m| m.robot().idle_share());
+    "human_idle_share", PLAIN, "share of the steps in which the human's hand was slower in the mean than a tenth of the walking speed, 0 to 1; missing without a robot", |v| v.motion().map(|m| m.human().idle_share());
+    "concurrent_activity", PLAIN, "share of the steps in which neither the grasp nor the human's hand was slower than that, 0 to 1; missing without a robot", |v| v.motion().map(MotionSummary::concurrent_activity);
+    "idle_time_s", SECONDS, "time in which both were slower than that; missing without a robot", |v| v.motion().map(|m| v.seconds(m.both_idle()));
     "hand_force_mean_n", NEWTONS, "mean of the human's force on the object; missing without physics", |v| v.interaction().map(InteractionSummary::mean_force);
     "hand_force_rms_n", NEWTONS, "root mean square of the human's force on the object", |v| v.interaction().map(InteractionSummary::rms_force);
     "peak_force_n", NEWTONS, "largest force in either grip", |v| v.interaction().map(|i| i.peak_force);
+    "motive_force_rms_n", NEWTONS, "root mean square of the sum of both forces along the object", |v| v.interaction().map(|i| i.rms_parts()[0]);
+    "internal_force_rms_n", NEWTONS, "root mean square of what cancels along the object: the lesser of the two forces where they are opposed", |v| v.interaction().map(|i| i.rms_parts()[1]);
+    "human_force_share", PLAIN, "mean magnitude of the human's horizontal force as a share of that of both, 0 to 1", |v| v.interaction().and_then(InteractionSummary::human_force_share);
     "robot_work_j", JOULES, "work that the robot did on the object", |v| v.interaction().map(|i| i.work[0]);
     "human_work_j", JOULES, "work that the human did on the object", |v| v.interaction().map(|i| i.work[1]);
+    "robot_driving_work_j", JOULES, "the part of the robot's work that was done while its power was positive", |v| v.interaction().map(|i| i.driving_work[0]);
+    "human_driving_work_j", JOULES, "the part of the human's work that was done while its power was positive", |v| v.interaction().map(|i| i.driving_work[1]);
+    "human_work_share", PLAIN, "human_driving_work_j as a share of that of both, 0 to 1; missing if there was none", |v| v.interaction().and_then(InteractionSummary::human_work_share);
     "squared_jerk_m2_per_s5", SQUARED_JERK, "integral of the square of the object's jerk", |v| v.interaction().map(|i| i.squared_jerk);
     "force_above_10_hz_rms_n", NEWTONS, "noise: root mean square of a grip's force above 10 Hz, the larger of the two grips'", |v| v.interaction().map(InteractionSummary::force_noise);
+    "least_obstacle_distance_m", METRES, "least distance of robot, object or human to an obstacle at the end of a step; missing without obstacles", |v| v.interaction().map(|i| i.obstacle_distance);
+    "least_human_distance_m", METRES, "least distance between robot and human at the end of a step", |v| v.interaction().map(|i| i.human_distance);
     "largest_grip_deflection_m", METRES, "largest deflection of either grip", |v| v.interaction().map(|i| i.deflection);
     "largest_effort_share", PLAIN, "the most that a motor of the arm exerted, as a share of its effort limit", |v| v.interaction().map(|i| i.effort_share);
     "time_at_effort_limit_s", SECONDS, "how long a motor of the arm was at its effort limit, the longest", |v| v.interaction().map(|i| i.time_at_limit.max());

@@ -1,13 +1,13 @@
 //! The quantities of one planning step.
 
 use super::{
-    DEGREES, Fields, JOULES, Kind, METRES, METRES_PER_SECOND, NEWTON_METRES, NEWTONS, PLAIN, Quantity,
-    RADIANS, RADIANS_PER_SECOND, Record, SECONDS, SQUARED_JERK, Value, View, fields, headings, quantities,
-    read,
+    ACCELERATION, DEGREES, Fields, JERK, JOULES, Kind, METRES, METRES_PER_SECOND, NEWTON_METRES, NEWTONS,
+    PLAIN, Quantity, RADIANS, RADIANS_PER_SECOND, Record, SECONDS, SQUARED_JERK, Value, View, fields,
+    headings, quantities, read,
 };
 use crate::control::{Failure, SolveOutcome};
-use crate::coordination::OptionTick;
-use crate::episode::{ControlSummary, PhysicsTick, Preparation, RobotTick, Summary, Tick};
+use crate::coordination::{OptionTick, STUBBORNNESS_THRESHOLD};
+use crate::episode::{ControlSummary, EndMotions, PhysicsTick, Preparation, RobotTick, Summary, Tick};
 use crate::robot::{ArmJoint, Motion};
 use crate::simulation::Observation;
 use Kind::{Count, Flag, List, Text};
@@ -30,6 +30,10 @@ impl View<'_> {
 
     pub(super) fn preparation(&self) -> Option<Preparation> {
         self.robot_tick()?.preparation
+    }
+
+    fn ends(&self) -> Option<&EndMotions> {
+        self.tick().ends.as_ref()
     }
 
     fn physics(&self) -> Option<&PhysicsTick> {
@@ -83,7 +87,7 @@ pub const COORDINATION: &[Quantity] = quantities! {
     "heading_deg", DEGREES, "direction of travel, counter-clockwise from x", |v| v.tick().heading.to_degrees();
     "mode", Text, "who leads: robot-led or human-led", |v| v.tick().mode.name();
     "stubbornness", PLAIN, "phi(k), eq. (5)", |v| v.tick().stubbornness;
-    "stubbornness_threshold", PLAIN, "the human takes the lead when phi exceeds this: 1", |_| 1.0;
+    "stubbornness_threshold", PLAIN, "the human takes the lead when phi exceeds this: 1", |_| STUBBORNNESS_THRESHOLD;
     "discomfort", PLAIN, "g(k), eq. (5)", |v| v.tick().discomfort;
     "executed", Text, "the option executed", |v| v.option(v.tick().executed);
     "executed_index", Count, "its place among the options, from 0", |v| v.tick().executed;
@@ -106,7 +110,7 @@ pub const COST: &[Quantity] = quantities! {
     "human_work_j", JOULES, "work that the human did on the object so far; missing without physics", |v| v.work_so_far().map(|w| w[1]);
 };
 
-/// The controller's decision and its tracking error. Missing without a robot.
+/// The controller's decision, its tracking error, and how both ends of the object move. Missing without a robot.
 #[rustfmt::skip]
 pub const CONTROL: &[Quantity] = quantities! {
     "grasp_goal_x_m", METRES, "s: where the grasp should be at the beginning of the step, world x", |v| v.robot_tick().map(|r| r.grasp_goal.position.x);
@@ -131,6 +135,12 @@ pub const CONTROL: &[Quantity] = quantities! {
     "self_contact", Text, "the first two links of the robot that touch each other at the end of a control period of the step; missing if none do", |v| v.links(v.robot_tick().and_then(|r| r.self_contact));
     "left_rim_m_per_s", METRES_PER_SECOND, "u of the left wheel's rim, the mean over the step", |v| v.base_input(false).map(|u| u[0]);
     "right_rim_m_per_s", METRES_PER_SECOND, "u of the right wheel's rim, the mean over the step", |v| v.base_input(false).map(|u| u[1]);
+    "grasp_speed_m_per_s", METRES_PER_SECOND, "speed of the grasp in the step, by its positions at the ends of steps", |v| v.ends().map(|e| e.robot.velocity.norm());
+    "hand_speed_m_per_s", METRES_PER_SECOND, "speed of the human's hand in the step, without sway; where the human has no body, of s", |v| v.ends().map(|e| e.human.velocity.norm());
+    "grasp_acceleration_m_per_s2", ACCELERATION, "magnitude of the grasp's acceleration, by differences of its velocities in this step and the one before", |v| v.ends().map(|e| e.robot.acceleration.norm());
+    "hand_acceleration_m_per_s2", ACCELERATION, "magnitude of the acceleration of the human's hand, by the same differences", |v| v.ends().map(|e| e.human.acceleration.norm());
+    "grasp_jerk_m_per_s3", JERK, "magnitude of the grasp's jerk, by differences of its accelerations", |v| v.ends().map(|e| e.robot.jerk.norm());
+    "hand_jerk_m_per_s3", JERK, "magnitude of the jerk of the human's hand, by differences of its accelerations", |v| v.ends().map(|e| e.human.jerk.norm());
 };
 
 /// The inputs of an omnidirectional base, which has no rim speeds. Missing for other drives.
@@ -170,6 +180,8 @@ pub const INTERACTION: &[Quantity] = quantities! {
     "hand_mean_torque_x_nm", NEWTON_METRES, "mean torque of the human on the object, world x", |v| v.seen().map(|s| s.hand_grip.mean.torque.x);
     "hand_mean_torque_y_nm", NEWTON_METRES, "mean torque of the human on the object, world y", |v| v.seen().map(|s| s.hand_grip.mean.torque.y);
     "hand_mean_torque_z_nm", NEWTON_METRES, "mean torque of the human on the object, world z", |v| v.seen().map(|s| s.hand_grip.mean.torque.z);
+    "motive_force_n", NEWTONS, "root mean square of the sum of both forces along the object", |v| v.physics().map(|p| p.force_parts[0]);
+    "internal_force_n", NEWTONS, "root mean square of what cancels along the object: the lesser of the two forces where they are opposed", |v| v.physics().map(|p| p.force_parts[1]);
     "grip_deflection_m", METRES, "largest deflection of the robot's grip", |v| v.physics().map(|p| p.deflection[0]);
     "hand_deflection_m", METRES, "largest deflection of the human's grip", |v| v.physics().map(|p| p.deflection[1]);
     "grip_force_above_10_hz_n", NEWTONS, "noise: root mean square of the robot's force above 10 Hz", |v| v.physics().map(|p| p.force_noise[0]);
@@ -178,6 +190,8 @@ pub const INTERACTION: &[Quantity] = quantities! {
     "time_at_effort_limit_s", SECONDS, "how long a motor of the arm was at its effort limit in the step, the longest", |v| v.physics().map(|p| p.time_at_limit.max());
     "grip_work_j", JOULES, "work that the robot did on the object in the step", |v| v.physics().map(|p| p.work[0]);
     "hand_work_j", JOULES, "work that the human did on the object in the step", |v| v.physics().map(|p| p.work[1]);
+    "grip_driving_work_j", JOULES, "the part of the robot's work that was done while its power was positive", |v| v.physics().map(|p| p.driving_work[0]);
+    "hand_driving_work_j", JOULES, "the part of the human's work that was done while its power was positive", |v| v.physics().map(|p| p.driving_work[1]);
     "squared_jerk_m2_per_s5", SQUARED_JERK, "integral over the step of the square of the object's jerk", |v| v.physics().map(|p| p.squared_jerk);
     "obstacle_distance_m", METRES, "least distance of robot, object or human to an obstacle at the end of the step; missing without obstacles", |v| v.physics().map(|p| p.obstacle_distance);
     "human_distance_m", METRES, "distance between robot and human at the end of the step", |v| v.physics().map(|p| p.human_distance);

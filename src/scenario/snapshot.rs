@@ -20,7 +20,7 @@ use std::path::Path;
 
 const MAGIC: &[u8] = b"cocarry snapshot";
 /// The version of the format. Raise it whenever the contents change.
-const FORMAT: u32 = 9;
+const FORMAT: u32 = 10;
 /// The largest file that is read, bytes. A snapshot has up to about 130 kB.
 const MAX_BYTES: u64 = bounds::SNAPSHOT.bytes();
 

@@ -22,6 +22,7 @@ mod ramp;
 pub(crate) mod sample;
 mod scene;
 mod settings;
+mod sharing;
 mod touch;
 
 pub use dimensions::{HAND_RADIUS, TORSO_AHEAD, TORSO_HEIGHT, TORSO_RADIUS};
@@ -30,6 +31,7 @@ pub use model::{BodyModel, ContactGroup, GripModel, JointModel, PhysicsStep, Pla
 pub use observation::{BodyKind, Clearance, Clearances, Contact, Failure, Forces, Observation, Part, Wrench};
 pub use scene::PhysicalPlant;
 pub use settings::{HumanSettings, PhysicsSettings};
+pub use sharing::motive_and_internal;
 
 use super::convert;
 use crate::error::Error;
@@ -173,6 +175,7 @@ impl PhysicalPlant {
             torso: pose(self.torso_body),
             grip: self.accumulator.gripper(),
             hand_grip: self.accumulator.hand(),
+            force_parts: self.accumulator.force_parts(),
             squared_jerk: self.accumulator.squared_jerk(),
             contacts: self.accumulator.touches.contacts(&self.parts),
             clearances: touch::clearances(&self.world, &self.parts),
@@ -214,8 +217,9 @@ impl PhysicalPlant {
         self.accumulator.add_efforts(&self.robot.effort_shares(&self.world), dt);
         let samples =
             [self.gripper.sample(&self.world, &gripper, dt)?, self.hand.sample(&self.world, &hand, dt)?];
-        let velocity = convert::vector(self.world.bodies.get(self.object)?.linvel());
-        self.accumulator.add(&samples, velocity, (dt, noise));
+        let object = self.world.bodies.get(self.object)?;
+        let ahead = convert::pose(object.position()).rotation * Vector3::x();
+        self.accumulator.add(&samples, (ahead, convert::vector(object.linvel())), (dt, noise));
         self.accumulator.touches.add(&self.world, dt);
         if let Some(observer) = observer {
             observer(&self.step_made(base_rates, samples.map(|sample| sample.wrench), dt)?);

@@ -35,6 +35,7 @@ fn closed_form_every_quantity_of_an_episode_with_bodies() {
     let mean_of_squares =
         |value: &dyn Fn(f64) -> f64| steps().map(|k| value(k + 1.0) * value(k + 1.0)).sum::<f64>() / n;
     let effort = n * INPUT_WEIGHT * 0.01 * 0.01 * (1..=11).map(|i| f64::from(i * i)).sum::<f64>();
+    let grasp_speed = math::hypot(0.003, 0.04) / 0.2;
     numbers(
         &record,
         [
@@ -43,6 +44,8 @@ fn closed_form_every_quantity_of_an_episode_with_bodies() {
             ("final_stubbornness", 0.9),
             ("final_discomfort", 8.5),
             ("share_off_preference", 0.5),
+            ("disagreement_time_s", 0.8),
+            ("overruled_time_s", 0.0),
             ("preference_change_count", 2.0),
             ("preferred_option_switches", 3.0),
             ("option_change_count", 0.0),
@@ -61,6 +64,23 @@ fn closed_form_every_quantity_of_an_episode_with_bodies() {
             ("overlapping_steps", 1.0),
             ("least_base_clearance_m", -0.35),
             ("self_contact_steps", 5.0),
+            // in the first step to a speed that it has lost in the second
+            ("grasp_acceleration_mean_m_per_s2", 2.0 * grasp_speed / 0.2 / n),
+            ("grasp_jerk_mean_m_per_s3", 4.0 * grasp_speed / 0.04 / n),
+            ("hand_acceleration_mean_m_per_s2", 2.0 * 0.75 / n),
+            ("hand_jerk_mean_m_per_s3", 4.0 * 3.75 / n),
+            ("robot_idle_share", 7.0 / n),
+            ("human_idle_share", 2.0 / n),
+            ("concurrent_activity", 1.0 / n),
+            ("idle_time_s", 0.4),
+            ("motive_force_rms_n", mean_of_squares(&|k| 33.0 + k).sqrt()),
+            ("internal_force_rms_n", mean_of_squares(&|k| 22.0 + k).sqrt()),
+            ("human_force_share", 84.0 / (84.0 + 124.0)),
+            ("robot_driving_work_j", 20.0),
+            ("human_driving_work_j", 6.0),
+            ("human_work_share", 6.0 / 26.0),
+            ("least_obstacle_distance_m", 0.72),
+            ("least_human_distance_m", 1.76),
             ("hand_force_mean_n", 14.5),
             ("hand_force_rms_n", mean_of_squares(&|k| 10.0 + k).sqrt()),
             ("peak_force_n", 48.0),
@@ -87,7 +107,7 @@ fn closed_form_every_quantity_of_an_episode_with_bodies() {
             ("transition_y_m", 0.06),
         ],
     );
-    for missing in ["lost_by", "lost_at_step", "lost_distance_m", "failure"] {
+    for missing in ["path_efficiency", "lost_by", "lost_at_step", "lost_distance_m", "failure"] {
         assert!(record[missing].is_null(), "{missing}: {}", record[missing]);
     }
     let contacts = read(&View::new(&prepared, &episode), &TICK)["contacts"].clone();

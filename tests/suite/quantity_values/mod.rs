@@ -88,7 +88,7 @@ const INPUT_WEIGHT: f64 = 2.0;
 fn observation(robot: &Robot, k: usize) -> Observation {
     let n = k as f64;
     let planar = |x: f64, y: f64, deg: f64| PlanarPose { position: Point::new(x, y), yaw: deg.to_radians() };
-    let forces = |force: [f64; 3], torque: [f64; 3], peak: f64, rms: f64, rest: [f64; 3]| Forces {
+    let forces = |force: [f64; 3], torque: [f64; 3], peak: f64, rms: f64, rest: [f64; 5]| Forces {
         mean: Wrench { force: Vector3::from(force), torque: Vector3::from(torque) },
         last: Wrench::default(),
         peak,
@@ -96,6 +96,8 @@ fn observation(robot: &Robot, k: usize) -> Observation {
         noise: rest[0],
         work: rest[1],
         deflection: rest[2],
+        level: rest[3],
+        driving_work: rest[4],
     };
     let part = |kind, name: &str| Part { kind, name: name.to_owned() };
     let distance =
@@ -137,22 +139,24 @@ fn observation(robot: &Robot, k: usize) -> Observation {
         object: planar(1.0, 0.01 * n, 91.0).at_height(height),
         object_twist: [0.0; 6],
         hand: planar(1.15, 0.62, 92.5).at_height(height),
-        hand_planar: planar(1.1, 0.61 + 0.01 * n, 92.0),
+        // it stands still in the last two steps
+        hand_planar: planar(1.1, 0.59 + 0.03 * n.min(6.0), 92.0),
         torso: planar(1.2, 0.97 + 0.01 * n, 93.0).at_height(1.1),
         grip: forces(
             [1.0 + n, 2.0 + n, 3.0 + n],
             [0.1 + n, 0.2 + n, 0.3 + n],
             40.0 + n,
             20.0 + n,
-            [0.5 + 0.01 * n, 1.5, 0.011 + 0.001 * n],
+            [0.5 + 0.01 * n, 1.5, 0.011 + 0.001 * n, 11.0 + n, 2.5],
         ),
         hand_grip: forces(
             [-1.5 - n, -2.5 - n, -3.5 - n],
             [-0.4 - n, -0.5 - n, -0.6 - n],
             30.0 + 2.0 * n,
             10.0 + n,
-            [0.25 + 0.01 * n, -0.5, 0.012 + 0.001 * n],
+            [0.25 + 0.01 * n, -0.5, 0.012 + 0.001 * n, 6.0 + n, 0.75],
         ),
+        force_parts: [33.0 + n, 22.0 + n],
         squared_jerk: 7.0 + n,
         contacts: match k {
             3 => vec![touching.clone(), touching],

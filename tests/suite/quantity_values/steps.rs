@@ -34,6 +34,8 @@ fn closed_form_every_quantity_of_a_step_with_bodies() {
     words(&tick, [("mode", "robot-led"), ("executed", "near"), ("preferred", "far")]);
     let turn = 2.0_f64.to_radians();
     let tracking = STATE_WEIGHT * (0.005 * 0.005 + turn * turn);
+    // from its place at the start to 3 mm aside and 4 cm ahead of it
+    let grasp_speed = math::hypot(0.003, 0.04) / 0.2;
     let effort = INPUT_WEIGHT * 0.01 * 0.01 * (1..=11).map(|i| f64::from(i * i)).sum::<f64>();
     numbers(
         &tick,
@@ -60,6 +62,12 @@ fn closed_form_every_quantity_of_a_step_with_bodies() {
             ("accumulated_control_cost", tracking + effort + 0.75),
             ("left_rim_m_per_s", 0.01),
             ("right_rim_m_per_s", 0.02),
+            ("grasp_speed_m_per_s", grasp_speed),
+            ("hand_speed_m_per_s", 0.15),
+            ("grasp_acceleration_m_per_s2", grasp_speed / 0.2),
+            ("hand_acceleration_m_per_s2", 0.75),
+            ("grasp_jerk_m_per_s3", grasp_speed / 0.04),
+            ("hand_jerk_m_per_s3", 3.75),
         ],
     );
     words(&tick, [("mpc_outcome", "constrained")]);
@@ -98,6 +106,10 @@ fn closed_form_every_quantity_of_a_step_with_bodies() {
             ("hand_mean_torque_x_nm", -1.4),
             ("hand_mean_torque_y_nm", -1.5),
             ("hand_mean_torque_z_nm", -1.6),
+            ("motive_force_n", 34.0),
+            ("internal_force_n", 23.0),
+            ("grip_driving_work_j", 2.5),
+            ("hand_driving_work_j", 0.75),
             ("grip_deflection_m", 0.012),
             ("hand_deflection_m", 0.013),
             ("grip_force_above_10_hz_n", 0.51),
