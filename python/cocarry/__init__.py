@@ -38,7 +38,7 @@ from cocarry._cocarry import (
     read,
     settings,
 )
-from cocarry._compare import Picture, compare, plot, summary
+from cocarry._compare import Picture, bench, compare, plot, summary
 from cocarry._palette import option_colour
 from cocarry._partners import Decision, Human, HumanDecision, Policy
 from cocarry._program import fit_eta, fit_risk_weight, reproduce
@@ -72,6 +72,7 @@ __all__ = [
     "World",
     "WorldError",
     "__version__",
+    "bench",
     "compare",
     "fit_eta",
     "fit_risk_weight",

@@ -634,6 +634,9 @@ def compare(
 def summary(results: Sequence[Any]) -> tuple[Table, list[str]]:
     """Means and intervals of every combination of results, and notes on them."""
 
+def bench(folder: _Path, results: Sequence[Any], worlds: bool) -> tuple[Table, list[str]]:
+    """The score card of results of the benchmark in a folder, or its results world by world, and notes on them."""
+
 def plot(results: Sequence[Any], kind: str, quantity: str, by: str | None, cells: int) -> tuple[str, list[str]]:
     """A picture of results, as SVG, and notes on them."""
 

@@ -89,6 +89,21 @@ def summary(*results: Any) -> Table:
     return _noted(table, notes)
 
 
+def bench(folder: _Path, *results: Any, worlds: bool = False) -> Table:
+    """The score card of results of the benchmark's studies, which are given as to ``compare``.
+
+    folder: the benchmark's, as ``cocarry bench FOLDER`` writes it.
+    worlds: a row for every world and policy instead, with the best known result.
+
+    Returns a row for every set and policy, best first, with ``score`` and its 95 % interval over the worlds (``score_low``,
+    ``score_high``), shares in percent and means. Raises StudyError if results are not of the benchmark, of all episodes of
+    a set, of this version, and as their sweep wrote them.
+    """
+    _arguments.flag("worlds", worlds, StudyError)
+    table, notes = _cocarry.bench(_arguments.file("folder", folder, StudyError), _given(results), worlds)
+    return _noted(table, notes)
+
+
 def plot(
     *results: Any,
     kind: Literal["means", "differences", "map"] = "means",

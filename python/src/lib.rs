@@ -111,6 +111,7 @@ fn _cocarry(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(study::arithmetic_stamp, module)?)?;
     module.add_function(wrap_pyfunction!(results::compare, module)?)?;
     module.add_function(wrap_pyfunction!(results::summary, module)?)?;
+    module.add_function(wrap_pyfunction!(results::bench, module)?)?;
     module.add_function(wrap_pyfunction!(results::plot, module)?)?;
     module.add_class::<study::Rows>()?;
     module.add_function(wrap_pyfunction!(recording::read, module)?)?;

@@ -3,6 +3,7 @@
 use crate::error::{StudyError, raise};
 use crate::table::Table;
 use cocarry_output::drawing::Sheet;
+use cocarry_studies::study::bench::ScoreCard;
 use cocarry_studies::study::{Comparing, Drawn, Results, Summary, SweepError, columns, line_of};
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -98,6 +99,21 @@ pub fn summary(py: Python<'_>, results: Vec<GivenResults<'_>>) -> PyResult<(Tabl
     let summary = py.detach(|| Summary::load(&results, &Comparing::default()));
     let summary = summary.map_err(|error| refused(&error))?;
     Ok((Table::of_report(&summary.group_table()), summary.notes))
+}
+
+/// The score card of results of the benchmark in a folder, or its results world by world, and notes on them.
+#[pyfunction]
+pub fn bench(
+    py: Python<'_>,
+    folder: PathBuf,
+    results: Vec<GivenResults<'_>>,
+    worlds: bool,
+) -> PyResult<(Table, Vec<String>)> {
+    let held = held(results)?;
+    let results: Vec<Results> = held.iter().map(Held::results).collect();
+    let card = py.detach(|| ScoreCard::load(&folder, &results)).map_err(|error| refused(&error))?;
+    let table = if worlds { card.world_table() } else { card.table() };
+    Ok((Table::of_report(&table), Vec::new()))
 }
 
 /// A picture of results, as SVG, and notes on them.

@@ -168,12 +168,17 @@ pub(super) fn write_all(
     overwrite: OverwriteArguments,
     files: &[(PathBuf, impl AsRef<[u8]>)],
 ) -> Result<(), Failure> {
+    write_silently(overwrite, files)?;
+    files.iter().try_for_each(|(file, _)| print(&format!("wrote {}\n", file.display())))
+}
+
+/// The same without a word.
+pub(super) fn write_silently(
+    overwrite: OverwriteArguments,
+    files: &[(PathBuf, impl AsRef<[u8]>)],
+) -> Result<(), Failure> {
     let outputs = overwrite.outputs([], files.iter().map(|(file, _)| file))?;
     let begun: Result<Vec<OutputFile>, _> =
         files.iter().map(|(file, contents)| outputs.begin(file, contents)).collect();
-    for (output, (file, _)) in begun.map_err(unwritten)?.into_iter().zip(files) {
-        output.finish().map_err(unwritten)?;
-        print(&format!("wrote {}\n", file.display()))?;
-    }
-    Ok(())
+    begun.map_err(unwritten)?.into_iter().try_for_each(|output| output.finish().map_err(unwritten))
 }

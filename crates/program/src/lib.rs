@@ -1,5 +1,6 @@
 //! The command-line program.
 
+mod bench;
 mod calibrate;
 mod catalog;
 mod catalog_robots;
@@ -94,6 +95,7 @@ enum Command {
     #[command(subcommand)]
     Cluster(cluster::Action),
     Compare(compare::CompareArguments),
+    Bench(bench::BenchArguments),
     Plot(plot::PlotArguments),
     #[command(subcommand)]
     Reproduce(reproduce::Claim),
@@ -185,6 +187,7 @@ pub fn main_of(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Some(Command::Sweep(arguments)) => sweep::run_sweep(&arguments),
         Some(Command::Cluster(action)) => cluster::run_cluster(&action),
         Some(Command::Compare(arguments)) => compare::run_compare(&arguments),
+        Some(Command::Bench(arguments)) => bench::run_bench(&arguments),
         Some(Command::Plot(arguments)) => plot::run_plot(&arguments),
         Some(Command::Reproduce(claim)) => reproduce::run_reproduce(&claim),
         Some(Command::Inspect(arguments)) => inspect::run_inspect(&arguments),

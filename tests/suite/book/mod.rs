@@ -49,6 +49,8 @@ pages! {
     the_quick_start_can_be_followed: "book/src/quick-start.md",
     the_page_of_the_model_can_be_followed: "book/src/model.md",
     the_page_of_worlds_can_be_followed: "book/src/worlds.md",
+    the_page_of_measures_can_be_followed: "book/src/measures.md",
+    the_page_of_the_benchmark_can_be_followed: "book/src/bench.md",
     the_page_of_robots_can_be_followed: "book/src/robots.md",
     the_page_of_published_robots_can_be_followed: "book/src/gallery.md",
     the_page_of_tiago_can_be_followed: "book/src/gallery/tiago.md",

@@ -184,6 +184,30 @@ impl SweepError {
         Self::Refused(Error::new(sentence))
     }
 
+    /// A file of the benchmark's folder that is not as it ships.
+    pub(super) fn not_the_benchmarks(file: String, name: &str) -> Self {
+        let sentence = format_args!(
+            "not as it is in {name}; write its files into a new folder with `cocarry bench FOLDER`"
+        );
+        Self::of_file(file, sentence)
+    }
+
+    /// A row that is not of the benchmark.
+    pub(super) fn not_of_the_benchmark(file: String, position: Position, study: String, name: &str) -> Self {
+        let sentence = format_args!(
+            "{position} is of study {study}, which is none of {name} in this version of the program: sweep its small.toml or full.toml with other policies only, without --seeds"
+        );
+        Self::of_file(file, sentence)
+    }
+
+    /// Results that lack episodes.
+    pub(super) fn incomplete(file: String, found: u64, episodes: u64, first: u64) -> Self {
+        let sentence = format_args!(
+            "{found} of {episodes} episodes; a score is of all. Number {first} is missing: run the same sweep again, which resumes, or give the files of all shards"
+        );
+        Self::of_file(file, sentence)
+    }
+
     /// Whether the error is about writing, not about the input.
     pub fn is_about_writing(&self) -> bool {
         matches!(self, Self::Output(error) if !error.is_refusal())

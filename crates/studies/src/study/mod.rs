@@ -6,6 +6,7 @@
 //! study's digest, which identify any part of the results.
 
 mod again;
+pub mod bench;
 mod cell;
 mod compared;
 mod comparison_table;
