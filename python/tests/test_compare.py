@@ -303,3 +303,23 @@ def test_a_package_registers_a_policy_for_program_and_python(package, tmp_path, 
     assert episode.run()["outcome"] == "arrived"
     with pytest.raises(cocarry.DecisionError, match="policy = 'mutual'.*Scenario"):
         cocarry.Episode(cocarry.Scenario("environment-4", plant="point"), policy="mutual")
+
+
+def test_a_policy_is_scored_by_the_benchmark(tmp_path):
+    folder = tmp_path / "bench-1"
+    subprocess.run([sys.executable, "-m", "cocarry", "bench", folder], check=True, capture_output=True)
+    cocarry.sweep(folder / "small.toml", policy=[mine, "mutual"], out=tmp_path / "two.csv")
+    card = cocarry.bench(folder, tmp_path / "two.csv")
+    assert set(card["policy"]) == {"mine", "mutual"} and list(card["set"]) == ["small", "small"]
+    of = dict(zip(card["policy"], card["score"]))
+    assert list(card["score"]) == sorted(card["score"], reverse=True) and 90 < of["mutual"] <= 100
+    assert next(code for policy, code in zip(card["policy"], card["policy_code"]) if policy == "mine")
+    worlds = cocarry.bench(folder, tmp_path / "two.csv", worlds=True)
+    assert len(worlds) == 12
+    shares = [share for policy, share in zip(worlds["policy"], worlds["share"]) if policy == "mutual"]
+    assert of["mutual"] == pytest.approx(100 * np.mean(shares))
+    one = cocarry.sweep(folder / "small.toml", seeds=1)
+    with pytest.raises(cocarry.StudyError, match="none of cocarry bench 1"):
+        cocarry.bench(folder, one)
+    with pytest.raises(cocarry.StudyError, match="worlds = 'yes'"):
+        cocarry.bench(folder, one, worlds="yes")

@@ -81,12 +81,7 @@ fn rows_that_another_program_wrote_are_read_and_changed_ones_refused() {
     let names: Vec<&str> = header.split(',').collect();
     let at = |name: &str| names.iter().position(|other| *other == name).expect("a column");
     let changed = |column: &str, now: &dyn Fn(&str) -> String| -> Vec<String> {
-        let change = |row: &String| {
-            let mut cells: Vec<String> = row.split(',').map(str::to_owned).collect();
-            cells[at(column)] = now(&cells[at(column)]);
-            cells.join(",")
-        };
-        rows.iter().map(change).collect()
+        rows.iter().map(|row| with_cell(row, at(column), now)).collect()
     };
     let expected = compared(&bench, &["a.csv"]);
     write(
@@ -125,12 +120,17 @@ fn rows_that_another_program_wrote_are_read_and_changed_ones_refused() {
 /// The rows without checksums.
 fn changed_checksums(header: &str, rows: &[String]) -> Vec<String> {
     let at = header.split(',').position(|name| name == "checksum").expect("a column");
-    let without = |row: &String| {
-        let mut cells: Vec<&str> = row.split(',').collect();
-        cells[at] = "";
-        cells.join(",")
-    };
-    rows.iter().map(without).collect()
+    rows.iter().map(|row| with_cell(row, at, &|_| String::new())).collect()
+}
+
+/// A row with another cell, some of whose cells have commas.
+fn with_cell(row: &str, at: usize, now: &dyn Fn(&str) -> String) -> String {
+    let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(row.as_bytes());
+    let cells = reader.records().next().expect("a row").expect("cells");
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let changed = cells.iter().enumerate().map(|(i, cell)| if i == at { now(cell) } else { cell.to_owned() });
+    writer.write_record(changed).expect("memory");
+    String::from_utf8(writer.into_inner().expect("memory")).expect("text").trim_end().to_owned()
 }
 
 /// Other inputs than the method, a human who counts once over worlds, and names that are not columns.
