@@ -68,11 +68,11 @@ fn ends(seen: &Seen<'_>) -> Option<[Point; 2]> {
 /// How both ends moved over an episode: the measures of fluency of Hoffman (2019), and means over the steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MotionSummary {
-    steps: u64,
     robot: EndSums,
     human: EndSums,
-    /// Steps in which both idled.
+    /// Steps in which both idled, and in which neither did.
     both_idle: u64,
+    neither_idle: u64,
 }
 
 /// Sums over the steps of an episode for one end.
@@ -126,17 +126,16 @@ impl MotionSummary {
 
     /// Share of the steps in which neither idled.
     pub fn concurrent_activity(&self) -> f64 {
-        let somebody_idle = self.robot.idle + self.human.idle - self.both_idle;
-        (self.steps - somebody_idle) as f64 / self.steps.max(1) as f64
+        self.neither_idle as f64 / self.robot.steps.max(1) as f64
     }
 
     /// Adds a step of a team whose walking speed is `speed` (m/s).
     pub(super) fn add(&mut self, ends: &EndMotions, speed: f64) {
         let [robot, human] = [&ends.robot, &ends.human].map(|end| end.velocity.norm() < IDLE_SHARE * speed);
-        self.steps += 1;
         self.robot.add(&ends.robot, robot);
         self.human.add(&ends.human, human);
         self.both_idle += u64::from(robot && human);
+        self.neither_idle += u64::from(!robot && !human);
     }
 }
 

@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 /// The keys of the settings that partners take the place of, and the columns of their code.
 const KEYS: [[&str; 2]; 2] = [["method", "policy_code"], ["human_model", "human_code"]];
 /// The largest number of policies, and of humans.
-const MAX_PARTNERS: usize = 100;
+pub(super) const MAX_PARTNERS: usize = 100;
 /// The longest name, version or digest, characters.
 const MAX_TEXT: usize = 100;
 

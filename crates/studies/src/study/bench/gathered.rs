@@ -1,6 +1,7 @@
 //! Rows of results, gathered by study and policy.
 
 use super::super::error::Position;
+use super::super::partners::MAX_PARTNERS;
 use super::super::results::{Results, Rows};
 use super::super::{Study, SweepError, row};
 use super::{NAME, Set};
@@ -221,6 +222,10 @@ impl Gathered {
         for episode in self.rows.values() {
             if !found.contains(&episode.policy) {
                 found.push(episode.policy.clone());
+            }
+            // more than a study has
+            if found.len() > MAX_PARTNERS {
+                break;
             }
         }
         found
