@@ -316,8 +316,8 @@ def test_a_policy_is_scored_by_the_benchmark(tmp_path):
     assert next(code for policy, code in zip(card["policy"], card["policy_code"]) if policy == "mine")
     worlds = cocarry.bench(folder, tmp_path / "two.csv", worlds=True)
     assert len(worlds) == 12
-    shares = [share for policy, share in zip(worlds["policy"], worlds["share"]) if policy == "mutual"]
-    assert of["mutual"] == pytest.approx(100 * np.mean(shares))
+    shares = [share for policy, share in zip(worlds["policy"], worlds["share_percent"]) if policy == "mutual"]
+    assert of["mutual"] == pytest.approx(np.mean(shares))
     one = cocarry.sweep(folder / "small.toml", seeds=1)
     with pytest.raises(cocarry.StudyError, match="none of cocarry bench 1"):
         cocarry.bench(folder, one)

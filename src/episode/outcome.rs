@@ -5,7 +5,7 @@ use crate::control::SolveOutcome;
 use crate::coordination::{Mode, STUBBORNNESS_THRESHOLD};
 use crate::geometry::Point;
 use crate::robot::JointVector;
-use crate::simulation::{BodyKind, Contact, Failure, Observation};
+use crate::simulation::{BodyKind, Contact, Failure, Observation, Sharing};
 use serde::{Deserialize, Serialize};
 
 /// The outcome of an episode.
@@ -144,7 +144,7 @@ impl HumanSummary {
 }
 
 /// The physical interaction of robot, object and human over an episode.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct InteractionSummary {
     /// Number of steps in the sums.
     pub steps: u64,
@@ -157,22 +157,15 @@ pub struct InteractionSummary {
     /// Sums of the squares of the noise of the robot's and of the human's force, its part above 10 Hz, N^2 (in
     /// each planning step the mean square).
     pub squared_force_noise: [f64; 2],
-    /// Sums of the mean magnitudes of the robot's and of the human's horizontal force over the steps, N.
-    pub level_force: [f64; 2],
-    /// Sums of the squares of the motive and of the internal part of both forces, N^2 (in each planning step
-    /// the mean square).
-    pub squared_parts: [f64; 2],
+    /// How both shared the object.
+    pub sharing: Sharing,
     /// Work that the robot and the human did on the object, J.
     pub work: [f64; 2],
-    /// The part of it that was done while the power was positive, J.
-    pub driving_work: [f64; 2],
     /// Integral of the square of the object's jerk, m^2/s^5.
     pub squared_jerk: f64,
-    /// Least distance of robot, object or human to an obstacle at the end of a step, m; infinite without
-    /// obstacles.
-    pub obstacle_distance: f64,
-    /// Least distance between robot and human at the end of a step, m.
-    pub human_distance: f64,
+    /// Least distance at the end of a step of robot, object or human to an obstacle, infinite without
+    /// obstacles, and between robot and human, m; `None` before the first step.
+    pub least_distances: Option<[f64; 2]>,
     /// Largest deflection of a grip, m.
     pub deflection: f64,
     /// Largest motor effort of the arm in a physics step, as a share of the URDF's effort limit.
@@ -180,28 +173,6 @@ pub struct InteractionSummary {
     /// How long each joint's motor was at its limit, s.
     #[serde(default)]
     pub time_at_limit: JointVector,
-}
-
-impl Default for InteractionSummary {
-    fn default() -> Self {
-        Self {
-            steps: 0,
-            hand_force: 0.0,
-            squared_hand_force: 0.0,
-            peak_force: 0.0,
-            squared_force_noise: [0.0; 2],
-            level_force: [0.0; 2],
-            squared_parts: [0.0; 2],
-            work: [0.0; 2],
-            driving_work: [0.0; 2],
-            squared_jerk: 0.0,
-            obstacle_distance: f64::INFINITY,
-            human_distance: f64::INFINITY,
-            deflection: 0.0,
-            effort_share: 0.0,
-            time_at_limit: JointVector::zeros(),
-        }
-    }
 }
 
 impl InteractionSummary {
@@ -213,16 +184,11 @@ impl InteractionSummary {
         for (sum, noise) in self.squared_force_noise.iter_mut().zip(tick.force_noise) {
             *sum += noise * noise;
         }
-        for (sum, part) in self.squared_parts.iter_mut().zip(tick.force_parts) {
-            *sum += part * part;
-        }
-        for by in 0..2 {
-            self.level_force[by] += tick.level_force[by];
-            self.work[by] += tick.work[by];
-            self.driving_work[by] += tick.driving_work[by];
-        }
-        self.obstacle_distance = self.obstacle_distance.min(tick.obstacle_distance);
-        self.human_distance = self.human_distance.min(tick.human_distance);
+        self.sharing.add(&tick.sharing);
+        self.work[0] += tick.work[0];
+        self.work[1] += tick.work[1];
+        let [obstacle, human] = self.least_distances.unwrap_or([f64::INFINITY; 2]);
+        self.least_distances = Some([obstacle.min(tick.obstacle_distance), human.min(tick.human_distance)]);
         self.squared_jerk += tick.squared_jerk;
         self.deflection = self.deflection.max(tick.deflection[0]).max(tick.deflection[1]);
         self.effort_share = self.effort_share.max(tick.effort_share);
@@ -239,33 +205,12 @@ impl InteractionSummary {
         (self.squared_hand_force / self.steps.max(1) as f64).sqrt()
     }
 
-    /// Root mean squares of the motive and of the internal part of both forces along the object, N.
-    pub fn rms_parts(&self) -> [f64; 2] {
-        self.squared_parts.map(|squared| (squared / self.steps.max(1) as f64).sqrt())
-    }
-
-    /// The human's share of both horizontal forces; `None` if there were none.
-    pub fn human_force_share(&self) -> Option<f64> {
-        human_share(self.level_force)
-    }
-
-    /// The human's share of the work of both that was done while their power was positive; `None` if there was
-    /// none.
-    pub fn human_work_share(&self) -> Option<f64> {
-        human_share(self.driving_work)
-    }
-
     /// The noise of the forces: root mean square of a grip's force above 10 Hz, N; the larger of the two
     /// grips'. See [`Forces::noise`](crate::simulation::Forces::noise).
     pub fn force_noise(&self) -> f64 {
         let [robot, human] = self.squared_force_noise;
         (robot.max(human) / self.steps.max(1) as f64).sqrt()
     }
-}
-
-/// The human's share of what robot and human did.
-fn human_share([robot, human]: [f64; 2]) -> Option<f64> {
-    (robot + human > 0.0).then(|| human / (robot + human))
 }
 
 /// The control cost C of an episode (Sec. V-C), with related figures.

@@ -4,7 +4,7 @@ use crate::control::{Manipulator, SolveOutcome, least_singular_value};
 use crate::geometry::{PlanarPose, Pose};
 use crate::plant::{Command, Preparation, Seen};
 use crate::robot::{Configuration, InputJacobian, InputVector, JointVector, pose_difference, without_last};
-use crate::simulation::{BodyKind, Clearance, Observation};
+use crate::simulation::{BodyKind, Clearance, Observation, Sharing};
 use crate::team::Place;
 use serde::{Deserialize, Serialize};
 
@@ -84,14 +84,10 @@ pub struct PhysicsTick {
     /// How long each joint's motor was at its limit in the step, s.
     #[serde(default)]
     pub time_at_limit: JointVector,
-    /// Mean magnitude of the horizontal force of the robot and of the human, N.
-    pub level_force: [f64; 2],
-    /// Root mean squares of the motive and of the internal part of both forces along the object, N.
-    pub force_parts: [f64; 2],
+    /// How both share the object.
+    pub sharing: Sharing,
     /// Work done on the object by the robot and by the human, J.
     pub work: [f64; 2],
-    /// The part of it that was done while the power was positive, J.
-    pub driving_work: [f64; 2],
     /// Integral of the square of the object's jerk, m^2/s^5.
     pub squared_jerk: f64,
     /// Smallest distance of robot, object or human to an obstacle at the end of the step, m; infinite without
@@ -119,10 +115,8 @@ impl PhysicsTick {
             deflection: [seen.grip.deflection, seen.hand_grip.deflection],
             effort_share: seen.effort_share,
             time_at_limit: seen.time_at_limit,
-            level_force: [seen.grip.level, seen.hand_grip.level],
-            force_parts: seen.force_parts,
+            sharing: seen.sharing,
             work: [seen.grip.work, seen.hand_grip.work],
-            driving_work: [seen.grip.driving_work, seen.hand_grip.driving_work],
             squared_jerk: seen.squared_jerk,
             obstacle_distance: distance(&near.robot_obstacle)
                 .min(distance(&near.object_obstacle))

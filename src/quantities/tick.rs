@@ -110,7 +110,8 @@ pub const COST: &[Quantity] = quantities! {
     "human_work_j", JOULES, "work that the human did on the object so far; missing without physics", |v| v.work_so_far().map(|w| w[1]);
 };
 
-/// The controller's decision, its tracking error, and how both ends of the object move. Missing without a robot.
+/// The controller's decision, its tracking error, and how both ends of the object move. Missing without a
+/// robot.
 #[rustfmt::skip]
 pub const CONTROL: &[Quantity] = quantities! {
     "grasp_goal_x_m", METRES, "s: where the grasp should be at the beginning of the step, world x", |v| v.robot_tick().map(|r| r.grasp_goal.position.x);
@@ -180,8 +181,8 @@ pub const INTERACTION: &[Quantity] = quantities! {
     "hand_mean_torque_x_nm", NEWTON_METRES, "mean torque of the human on the object, world x", |v| v.seen().map(|s| s.hand_grip.mean.torque.x);
     "hand_mean_torque_y_nm", NEWTON_METRES, "mean torque of the human on the object, world y", |v| v.seen().map(|s| s.hand_grip.mean.torque.y);
     "hand_mean_torque_z_nm", NEWTON_METRES, "mean torque of the human on the object, world z", |v| v.seen().map(|s| s.hand_grip.mean.torque.z);
-    "motive_force_n", NEWTONS, "root mean square of the sum of both forces along the object", |v| v.physics().map(|p| p.force_parts[0]);
-    "internal_force_n", NEWTONS, "root mean square of what cancels along the object: the lesser of the two forces where they are opposed", |v| v.physics().map(|p| p.force_parts[1]);
+    "motive_force_n", NEWTONS, "root mean square of the sum of both forces along the object", |v| v.physics().map(|p| p.sharing.motive_force());
+    "internal_force_n", NEWTONS, "root mean square of what cancels along the object: the lesser of the two forces where they are opposed", |v| v.physics().map(|p| p.sharing.internal_force());
     "grip_deflection_m", METRES, "largest deflection of the robot's grip", |v| v.physics().map(|p| p.deflection[0]);
     "hand_deflection_m", METRES, "largest deflection of the human's grip", |v| v.physics().map(|p| p.deflection[1]);
     "grip_force_above_10_hz_n", NEWTONS, "noise: root mean square of the robot's force above 10 Hz", |v| v.physics().map(|p| p.force_noise[0]);
@@ -190,8 +191,8 @@ pub const INTERACTION: &[Quantity] = quantities! {
     "time_at_effort_limit_s", SECONDS, "how long a motor of the arm was at its effort limit in the step, the longest", |v| v.physics().map(|p| p.time_at_limit.max());
     "grip_work_j", JOULES, "work that the robot did on the object in the step", |v| v.physics().map(|p| p.work[0]);
     "hand_work_j", JOULES, "work that the human did on the object in the step", |v| v.physics().map(|p| p.work[1]);
-    "grip_driving_work_j", JOULES, "the part of the robot's work that was done while its power was positive", |v| v.physics().map(|p| p.driving_work[0]);
-    "hand_driving_work_j", JOULES, "the part of the human's work that was done while its power was positive", |v| v.physics().map(|p| p.driving_work[1]);
+    "grip_driving_work_j", JOULES, "the part of the robot's work that was done while its power was positive", |v| v.physics().map(|p| p.sharing.driving_work[0]);
+    "hand_driving_work_j", JOULES, "the part of the human's work that was done while its power was positive", |v| v.physics().map(|p| p.sharing.driving_work[1]);
     "squared_jerk_m2_per_s5", SQUARED_JERK, "integral over the step of the square of the object's jerk", |v| v.physics().map(|p| p.squared_jerk);
     "obstacle_distance_m", METRES, "least distance of robot, object or human to an obstacle at the end of the step; missing without obstacles", |v| v.physics().map(|p| p.obstacle_distance);
     "human_distance_m", METRES, "distance between robot and human at the end of the step", |v| v.physics().map(|p| p.human_distance);

@@ -9,5 +9,5 @@ pub(crate) use rapier::sample;
 pub use rapier::{
     BodyKind, BodyModel, Clearance, Clearances, Contact, ContactGroup, Failure, Forces, GripModel,
     HAND_RADIUS, HumanCommand, HumanSettings, JointModel, Observation, Part, PhysicalPlant, PhysicsSettings,
-    PhysicsStep, PlantModel, TORSO_AHEAD, TORSO_HEIGHT, TORSO_RADIUS, Wrench, motive_and_internal,
+    PhysicsStep, PlantModel, Sharing, TORSO_AHEAD, TORSO_HEIGHT, TORSO_RADIUS, Wrench, motive_and_internal,
 };

@@ -67,8 +67,8 @@ fn all_files_of_the_benchmark_are_written() {
     refused(folder.path(), &["bench", "b"], &["exists already"]);
 }
 
-/// The benchmark does not change: a number that moves here is a change of worlds, humans or robots, or a change of
-/// the program's version, which best known results must be measured anew for.
+/// The benchmark does not change: a number that moves here is a change of worlds, humans or robots, or of the
+/// program's version, for which the best known results must be measured anew.
 #[test]
 fn the_studies_are_those_of_the_best_known_results() {
     let folder = written();
@@ -147,5 +147,10 @@ fn closed_form_scores_are_those_of_the_rows_and_only_whole_unchanged_sets_count(
         .expect("a world")
         .replace("robot_width_m = 0.5", "robot_width_m = 0.4");
     std::fs::write(&world, changed).expect("a world");
-    refused(here, &["bench", "b", "m.csv"], &["walls-2.toml", "not as it is in cocarry bench 1"]);
+    refused(here, &["bench", "elsewhere", "m.csv"], &["elsewhere/full.toml: missing"]);
+    refused(
+        here,
+        &["bench", "b", "m.csv"],
+        &["walls-2.toml", "not as it is in cocarry bench 1", "`cocarry bench FOLDER`"],
+    );
 }

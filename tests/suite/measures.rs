@@ -1,5 +1,6 @@
 //! How well a team carries: what is measured is what anybody would work out from the bodies' motion and forces.
 
+use crate::quantity_values::WORLD;
 use crate::support::{load, repository};
 use cocarry::control::{self, RobotObstacles};
 use cocarry::coordination::Mode;
@@ -40,7 +41,7 @@ fn property_brute_force_of_how_forces_and_work_are_shared() {
     let ends = [-half, half].map(|x| Point3::new(x, 0.0, 0.0));
     let mut before = episode.observation().expect("bodies").object;
     let (mut squares, mut driving) = ([0.0; 2], [0.0; 2]);
-    let mut opposed = 0;
+    let (mut opposed, mut count) = (0, 0);
     for _ in 0..60 {
         assert_eq!(episode.step(), None);
         let steps = std::mem::take(&mut *steps.lock().expect("a list"));
@@ -62,70 +63,27 @@ fn property_brute_force_of_how_forces_and_work_are_shared() {
             }
             before = step.object;
         }
-        let n = steps.len() as f64;
+        count += steps.len();
         let seen = episode.tick().robot.and_then(|robot| robot.physics).expect("bodies");
         for i in 0..2 {
-            near(seen.force_parts[i], (parts[i] / n).sqrt(), 1e-9);
-            near(seen.level_force[i], level[i] / n, 1e-9);
+            near(seen.sharing.squared_parts[i], parts[i], 1e-9);
+            near(seen.sharing.level_force[i], level[i], 1e-9);
             // positions of the ends here, velocities there: over a physics step they differ by its turn
-            near(seen.driving_work[i], driving_here[i], 0.01);
-            squares[i] += parts[i] / n;
+            near(seen.sharing.driving_work[i], driving_here[i], 0.01);
+            squares[i] += parts[i];
             driving[i] += driving_here[i];
         }
     }
     assert!(opposed > 100, "the two forces are opposed in {opposed} steps only");
     let summary = *episode.summary().interaction.as_ref().expect("bodies");
     for i in 0..2 {
-        near(summary.rms_parts()[i], (squares[i] / 60.0).sqrt(), 1e-9);
-        near(summary.driving_work[i], driving[i], 0.01);
-        assert!(summary.driving_work[i] >= summary.work[i]);
+        near(summary.sharing.driving_work[i], driving[i], 0.01);
+        assert!(summary.sharing.driving_work[i] >= summary.work[i]);
     }
+    let rms = squares.map(|sum| (sum / count as f64).sqrt());
+    near(summary.sharing.motive_force(), rms[0], 1e-9);
+    near(summary.sharing.internal_force(), rms[1], 1e-9);
 }
-
-/// A way straight ahead, and one through an opening 6 m to the right.
-const WORLD: &str = r#"
-name = "Two openings"
-robot_width_m = 0.5
-start_m = [0.0, 0.0]
-target_m = [0.0, 8.0]
-
-[[obstacle]]
-name = "left"
-shape = "box"
-center_m = [-4.5, 4.0]
-size_m = [8.0, 0.2]
-height_m = 1.0
-
-[[obstacle]]
-name = "middle"
-shape = "box"
-center_m = [3.0, 4.0]
-size_m = [5.0, 0.2]
-height_m = 1.0
-
-[[obstacle]]
-name = "right"
-shape = "box"
-center_m = [10.5, 4.0]
-size_m = [8.0, 0.2]
-height_m = 1.0
-
-[[opening]]
-name = "ahead"
-between = ["left", "middle"]
-
-[[opening]]
-name = "aside"
-between = ["middle", "right"]
-
-[[option]]
-name = "near"
-openings = ["ahead"]
-
-[[option]]
-name = "far"
-openings = ["aside"]
-"#;
 
 #[test]
 fn closed_form_a_detour_costs_efficiency() {

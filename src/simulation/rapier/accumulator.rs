@@ -2,7 +2,7 @@
 
 use super::grip::WrenchSample;
 use super::noise::{Coefficients, HighPass};
-use super::sharing::motive_and_internal;
+use super::sharing::Sharing;
 use super::touch::Touches;
 use super::{Forces, Wrench};
 use crate::robot::JointVector;
@@ -17,8 +17,7 @@ const AT_LIMIT: f64 = 1.0 - 1e-5;
 pub(super) struct Accumulator {
     pub touches: Touches,
     grips: [Sum; 2],
-    /// Sums of the squares of the forces' motive and internal parts along the object, N^2.
-    squared_parts: [f64; 2],
+    sharing: Sharing,
     squared_jerk: f64,
     effort_share: f64,
     #[serde(default)]
@@ -37,9 +36,7 @@ struct Sum {
     squared: f64,
     squared_noise: f64,
     peak: f64,
-    level: f64,
     work: f64,
-    driving_work: f64,
     deflection: f64,
     /// The wrench of the last step; kept between periods. `None` before the first step.
     last: Option<Wrench>,
@@ -51,7 +48,7 @@ impl Accumulator {
     /// Begins a period.
     pub fn begin(&mut self) {
         self.touches.clear();
-        self.squared_parts = [0.0; 2];
+        self.sharing = Sharing::default();
         self.squared_jerk = 0.0;
         self.effort_share = 0.0;
         self.time_at_limit = JointVector::zeros();
@@ -71,8 +68,7 @@ impl Accumulator {
         for (sum, sample) in self.grips.iter_mut().zip(samples) {
             sum.add(sample, (dt, noise));
         }
-        let parts = motive_and_internal(samples.iter().map(|sample| sample.wrench.force.dot(&ahead)));
-        self.squared_parts.iter_mut().zip(parts).for_each(|(sum, part)| *sum += part * part);
+        self.sharing.add_step(samples, &ahead, dt);
         let acceleration = (velocity - self.velocity) / dt;
         self.squared_jerk += (acceleration - self.acceleration).norm_squared() / dt;
         (self.velocity, self.acceleration) = (velocity, acceleration);
@@ -92,9 +88,8 @@ impl Accumulator {
         self.grips[1].forces()
     }
 
-    /// Root mean squares of the forces' motive and internal parts along the object, N.
-    pub fn force_parts(&self) -> [f64; 2] {
-        self.squared_parts.map(|squared| (squared / self.grips[0].steps.max(1.0)).sqrt())
+    pub fn sharing(&self) -> Sharing {
+        self.sharing
     }
 
     /// The largest motor effort as a share of its limit.
@@ -122,10 +117,7 @@ impl Sum {
         self.squared += force.norm_squared();
         self.peak = self.peak.max(force.norm());
         self.deflection = self.deflection.max(sample.deflection);
-        self.level += force.xy().norm();
-        let work = (force.dot(&sample.velocity) + torque.dot(&sample.turning)) * dt;
-        self.work += work;
-        self.driving_work += work.max(0.0);
+        self.work += sample.work(dt);
         self.squared_noise += self.filter.next(&force, noise).norm_squared();
         self.last = Some(sample.wrench);
     }
@@ -138,9 +130,7 @@ impl Sum {
             peak: self.peak,
             rms: (self.squared / steps).sqrt(),
             noise: (self.squared_noise / steps).sqrt(),
-            level: self.level / steps,
             work: self.work,
-            driving_work: self.driving_work,
             deflection: self.deflection,
         }
     }

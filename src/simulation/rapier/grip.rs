@@ -72,6 +72,13 @@ pub(super) struct WrenchSample {
     pub deflection: f64,
 }
 
+impl WrenchSample {
+    /// Work done on the object in a step of `dt` seconds, J.
+    pub fn work(&self, dt: f64) -> f64 {
+        (self.wrench.force.dot(&self.velocity) + self.wrench.torque.dot(&self.turning)) * dt
+    }
+}
+
 impl Grip {
     /// A grip whose springs are preloaded by the weight of `load` (kg), so that the object does not sag.
     pub fn new(

@@ -31,7 +31,7 @@ pub use model::{BodyModel, ContactGroup, GripModel, JointModel, PhysicsStep, Pla
 pub use observation::{BodyKind, Clearance, Clearances, Contact, Failure, Forces, Observation, Part, Wrench};
 pub use scene::PhysicalPlant;
 pub use settings::{HumanSettings, PhysicsSettings};
-pub use sharing::motive_and_internal;
+pub use sharing::{Sharing, motive_and_internal};
 
 use super::convert;
 use crate::error::Error;
@@ -175,7 +175,7 @@ impl PhysicalPlant {
             torso: pose(self.torso_body),
             grip: self.accumulator.gripper(),
             hand_grip: self.accumulator.hand(),
-            force_parts: self.accumulator.force_parts(),
+            sharing: self.accumulator.sharing(),
             squared_jerk: self.accumulator.squared_jerk(),
             contacts: self.accumulator.touches.contacts(&self.parts),
             clearances: touch::clearances(&self.world, &self.parts),

@@ -2,6 +2,7 @@
 //! was [begun](super::PhysicalPlant::begin). An episode begins one in every planning step. Vectors in world
 //! axes, SI units.
 
+use super::Sharing;
 use crate::geometry::{PlanarPose, Pose};
 use crate::robot::{BaseInput, Configuration, JointVector, without_last};
 use nalgebra::{Point3, Vector3};
@@ -48,9 +49,8 @@ pub struct Observation {
     pub grip: Forces,
     /// The human's grip on the object, at the front end.
     pub hand_grip: Forces,
-    /// Root mean squares of the motive and of the internal part of both grips' forces along the line between
-    /// them since the observation was begun, N: see [`motive_and_internal`](super::motive_and_internal).
-    pub force_parts: [f64; 2],
+    /// How both share the object since the observation was begun.
+    pub sharing: Sharing,
     /// Integral of the square of the jerk of the object's centre since the observation was begun, m^2/s^5.
     pub squared_jerk: f64,
     /// Contacts since the observation was begun, in a fixed order.
@@ -106,12 +106,8 @@ pub struct Forces {
     /// Noise: root mean square of the force's part above 10 Hz (a Butterworth high-pass filter of second order,
     /// whose gain is r^2 / sqrt(1 + r^4) at r times 10 Hz), N. It does not depend on the physics step.
     pub noise: f64,
-    /// Mean magnitude of the horizontal force, N.
-    pub level: f64,
     /// Work done on the object, J.
     pub work: f64,
-    /// The part of it that was done while the power was positive, J.
-    pub driving_work: f64,
     /// Largest distance between the two points that the grip joins, m.
     pub deflection: f64,
 }

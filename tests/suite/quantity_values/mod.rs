@@ -22,7 +22,8 @@ use cocarry::robot::{Configuration, InputJacobian, InputVector, JointVector, Rob
 use cocarry::saved::{RestoreError, Saved};
 use cocarry::scenario::{self, PreparedScenario, RobotSetup, Scenario};
 use cocarry::simulation::{
-    BodyKind, Clearance, Clearances, Contact, Failure, Forces, Observation, Part, PhysicsSettings, Wrench,
+    BodyKind, Clearance, Clearances, Contact, Failure, Forces, Observation, Part, PhysicsSettings, Sharing,
+    Wrench,
 };
 use cocarry::world::World;
 use nalgebra::{Point3, Vector3};
@@ -31,7 +32,7 @@ use std::iter::repeat;
 
 /// A wall across the way from (1, 0) to (1, 8), with two openings of 1 m: straight ahead, and 7 m to the
 /// right.
-const WORLD: &str = r#"
+pub const WORLD: &str = r#"
 name = "Two openings"
 robot_width_m = 0.5
 start_m = [1.0, 0.0]
@@ -88,7 +89,7 @@ const INPUT_WEIGHT: f64 = 2.0;
 fn observation(robot: &Robot, k: usize) -> Observation {
     let n = k as f64;
     let planar = |x: f64, y: f64, deg: f64| PlanarPose { position: Point::new(x, y), yaw: deg.to_radians() };
-    let forces = |force: [f64; 3], torque: [f64; 3], peak: f64, rms: f64, rest: [f64; 5]| Forces {
+    let forces = |force: [f64; 3], torque: [f64; 3], peak: f64, rms: f64, rest: [f64; 3]| Forces {
         mean: Wrench { force: Vector3::from(force), torque: Vector3::from(torque) },
         last: Wrench::default(),
         peak,
@@ -96,8 +97,6 @@ fn observation(robot: &Robot, k: usize) -> Observation {
         noise: rest[0],
         work: rest[1],
         deflection: rest[2],
-        level: rest[3],
-        driving_work: rest[4],
     };
     let part = |kind, name: &str| Part { kind, name: name.to_owned() };
     let distance =
@@ -147,16 +146,21 @@ fn observation(robot: &Robot, k: usize) -> Observation {
             [0.1 + n, 0.2 + n, 0.3 + n],
             40.0 + n,
             20.0 + n,
-            [0.5 + 0.01 * n, 1.5, 0.011 + 0.001 * n, 11.0 + n, 2.5],
+            [0.5 + 0.01 * n, 1.5, 0.011 + 0.001 * n],
         ),
         hand_grip: forces(
             [-1.5 - n, -2.5 - n, -3.5 - n],
             [-0.4 - n, -0.5 - n, -0.6 - n],
             30.0 + 2.0 * n,
             10.0 + n,
-            [0.25 + 0.01 * n, -0.5, 0.012 + 0.001 * n, 6.0 + n, 0.75],
+            [0.25 + 0.01 * n, -0.5, 0.012 + 0.001 * n],
         ),
-        force_parts: [33.0 + n, 22.0 + n],
+        sharing: Sharing {
+            steps: 1.0,
+            squared_parts: [33.0 + n, 22.0 + n].map(|force| force * force),
+            level_force: [11.0 + n, 6.0 + n],
+            driving_work: [2.5, 0.75],
+        },
         squared_jerk: 7.0 + n,
         contacts: match k {
             3 => vec![touching.clone(), touching],

@@ -187,7 +187,7 @@ impl SweepError {
     /// A file of the benchmark's folder that is not as it ships.
     pub(super) fn not_the_benchmarks(file: String, name: &str) -> Self {
         let sentence = format_args!(
-            "not as it is in {name}; write its files into a new folder with `cocarry bench FOLDER`"
+            "missing, or not as it is in {name}; `cocarry bench FOLDER` writes its files into a new folder"
         );
         Self::of_file(file, sentence)
     }

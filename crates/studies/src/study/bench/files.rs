@@ -16,8 +16,8 @@ macro_rules! files {
     };
 }
 
-/// Names, relative to the benchmark's folder, and contents of its files: two studies, their worlds and robots, and
-/// a page about it.
+/// Names, relative to the benchmark's folder, and contents of its files: two studies, their worlds and robots,
+/// and a page about it.
 #[rustfmt::skip]
 pub const FILES: &[(&str, &[u8])] = files![
     "README.md", "full.toml", "small.toml",

@@ -23,84 +23,67 @@ pub struct Gathered {
 /// What counts of an episode.
 #[derive(Clone, Debug, PartialEq)]
 struct Episode {
+    /// Name and code.
     policy: [String; 2],
     world: String,
     has_arrived: bool,
     has_succeeded: bool,
-    objective_cost: f64,
-    off_preference: f64,
-    path_efficiency: f64,
-    time: f64,
-    internal_force: f64,
-    work_share: f64,
-    control_cost: f64,
+    /// 1/m; 0 without success.
+    result: f64,
+    /// The values of [`MEANS`]; none where the episode has none.
+    values: [Option<f64>; MEANS.len()],
 }
 
-/// The columns that count.
-struct Places([usize; 12]);
+/// A mean on the score card, over episodes that arrived.
+pub struct MeanOf {
+    /// Heading for people; empty for programs only.
+    pub heading: &'static str,
+    /// Name for programs.
+    pub key: &'static str,
+    column: &'static str,
+    factor: f64,
+}
 
-const COLUMNS: [&str; 12] = [
-    "method",
-    "policy_code",
-    "world",
-    "outcome",
-    "overruled_time_s",
-    "accumulated_objective_cost_m",
-    "share_off_preference",
-    "path_efficiency",
-    "time_s",
-    "internal_force_rms_n",
-    "human_work_share",
-    "accumulated_control_cost",
+const fn mean(heading: &'static str, key: &'static str, column: &'static str, factor: f64) -> MeanOf {
+    MeanOf { heading, key, column, factor }
+}
+
+/// The means on the score card.
+pub const MEANS: [MeanOf; 6] = [
+    mean("off %", "off_preference_percent", "share_off_preference", 100.0),
+    mean("", "path_efficiency_percent", "path_efficiency", 100.0),
+    mean("time s", "time_s", "time_s", 1.0),
+    mean("force N", "internal_force_rms_n", "internal_force_rms_n", 1.0),
+    mean("work %", "human_work_percent", "human_work_share", 100.0),
+    mean("", "accumulated_control_cost", "accumulated_control_cost", 1.0),
 ];
+
+/// Places of the columns of a row.
+struct Places(BTreeMap<&'static str, usize>);
 
 impl Places {
     fn find() -> Self {
-        let columns = row::columns();
-        Self(COLUMNS.map(|name| columns.iter().position(|column| *column == name).expect("a column")))
+        Self(row::columns().into_iter().enumerate().map(|(place, name)| (name, place)).collect())
     }
 
     fn episode(&self, fields: &StringRecord) -> Episode {
-        let text = |i: usize| fields[self.0[i]].to_owned();
-        // an empty cell is not a number
-        let number = |i: usize| fields[self.0[i]].parse::<f64>().unwrap_or(f64::NAN);
-        let has_arrived = fields[self.0[3]] == *row::arrived();
+        let cell = |name: &str| &fields[self.0[name]];
+        let number = |name: &str| cell(name).parse::<f64>().ok().filter(|number| number.is_finite());
+        let has_arrived = cell("outcome") == row::arrived();
+        let has_succeeded = has_arrived && number("overruled_time_s") == Some(0.0);
+        let cost = number("accumulated_objective_cost_m").filter(|_| has_succeeded);
         Episode {
-            policy: [text(0), text(1)],
-            world: text(2),
+            policy: ["method", "policy_code"].map(|name| cell(name).to_owned()),
+            world: cell("world").to_owned(),
             has_arrived,
-            has_succeeded: has_arrived && number(4) == 0.0,
-            objective_cost: number(5),
-            off_preference: number(6),
-            path_efficiency: number(7),
-            time: number(8),
-            internal_force: number(9),
-            work_share: number(10),
-            control_cost: number(11),
+            has_succeeded,
+            result: cost.map_or(0.0, |cost| 1.0 / cost),
+            values: MEANS.each_ref().map(|of| number(of.column).map(|value| of.factor * value)),
         }
     }
 }
 
-/// A share of episodes.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Share {
-    of: u64,
-    which: u64,
-}
-
-impl Share {
-    /// The share.
-    pub fn share(self) -> f64 {
-        self.which as f64 / self.of as f64
-    }
-
-    fn add(&mut self, is_one: bool) {
-        self.of += 1;
-        self.which += u64::from(is_one);
-    }
-}
-
-/// A mean of the numbers that there are.
+/// A mean so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Mean {
     n: u64,
@@ -108,43 +91,35 @@ pub struct Mean {
 }
 
 impl Mean {
-    /// The mean; NaN of no numbers.
-    pub fn mean(self) -> f64 {
-        self.sum / self.n as f64
+    /// The mean; `None` of no values.
+    pub fn mean(self) -> Option<f64> {
+        (self.n > 0).then(|| self.sum / self.n as f64)
     }
 
     fn add(&mut self, value: f64) {
-        if value.is_finite() {
-            self.n += 1;
-            self.sum += value;
-        }
+        self.n += 1;
+        self.sum += value;
     }
 }
 
-/// The figures of a policy; means are of episodes that arrived.
+/// The figures of a policy.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Of {
-    pub succeeded: Share,
-    pub arrived: Share,
-    pub off_preference: Mean,
-    pub path_efficiency: Mean,
-    pub time: Mean,
-    pub internal_force: Mean,
-    pub work_share: Mean,
-    pub control_cost: Mean,
+    /// Percentages of episodes that succeeded and that arrived.
+    pub succeeded: Mean,
+    pub arrived: Mean,
+    /// Those of [`MEANS`].
+    pub means: [Mean; MEANS.len()],
 }
 
 impl Of {
     fn add(&mut self, episode: &Episode) {
-        self.succeeded.add(episode.has_succeeded);
-        self.arrived.add(episode.has_arrived);
-        if episode.has_arrived {
-            self.off_preference.add(episode.off_preference);
-            self.path_efficiency.add(episode.path_efficiency);
-            self.time.add(episode.time);
-            self.internal_force.add(episode.internal_force);
-            self.work_share.add(episode.work_share);
-            self.control_cost.add(episode.control_cost);
+        let percent = |is_so: bool| if is_so { 100.0 } else { 0.0 };
+        self.succeeded.add(percent(episode.has_succeeded));
+        self.arrived.add(percent(episode.has_arrived));
+        let values = episode.values.iter().filter(|_| episode.has_arrived);
+        for (mean, value) in self.means.iter_mut().zip(values) {
+            value.iter().for_each(|value| mean.add(*value));
         }
     }
 }
@@ -189,8 +164,7 @@ impl Gathered {
                 });
                 let found = places.episode(&fields);
                 let known = studies[at].rows.entry(identity.episode).or_insert_with(|| found.clone());
-                // NaN is no number, and equal to nothing: texts tell
-                if format!("{known:?}") != format!("{found:?}") {
+                if *known != found {
                     let (file, position) = place;
                     let found = format!("of episode {} with other values than before", identity.episode);
                     return Err(SweepError::row(
@@ -249,13 +223,13 @@ impl Gathered {
         let (mut of, mut worlds) = (Of::default(), Vec::<(String, Mean)>::new());
         for episode in self.rows.values().filter(|episode| episode.policy == policy) {
             of.add(episode);
-            let result = if episode.has_succeeded { 1.0 / episode.objective_cost } else { 0.0 };
-            match worlds.iter_mut().find(|(world, _)| *world == episode.world) {
-                Some((_, mean)) => mean.add(result),
-                None => worlds.push((episode.world.clone(), Mean { n: 1, sum: result })),
-            }
+            let at = worlds.iter().position(|(world, _)| *world == episode.world).unwrap_or_else(|| {
+                worlds.push((episode.world.clone(), Mean::default()));
+                worlds.len() - 1
+            });
+            worlds[at].1.add(episode.result);
         }
-        (of, worlds.into_iter().map(|(world, mean)| (world, mean.mean())).collect())
+        (of, worlds.into_iter().filter_map(|(world, mean)| Some((world, mean.mean()?))).collect())
     }
 
     fn other(&self) -> SweepError {

@@ -18,7 +18,7 @@ use crate::statistics::{Estimate, Moments};
 use crate::table::{Cell, Columns, Table};
 use cocarry::located;
 use files::README;
-use gathered::{Gathered, Of};
+use gathered::{Gathered, MEANS, Of};
 use std::path::Path;
 
 /// A set of the benchmark's episodes, which is a study.
@@ -104,7 +104,13 @@ pub struct ScoreCard(Vec<Entry>);
 pub fn check(folder: &Path) -> Result<(), SweepError> {
     for (name, contents) in FILES.iter().filter(|(name, _)| *name != README) {
         let file = folder.join(name);
-        let read = std::fs::read(&file).map_err(|e| located::unreadable(file.display().to_string(), e))?;
+        let read = match std::fs::read(&file) {
+            Ok(read) => read,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+                return Err(SweepError::not_the_benchmarks(file.display().to_string(), NAME));
+            }
+            Err(error) => return Err(located::unreadable(file.display().to_string(), error).into()),
+        };
         // a version control may have other ends of lines
         if read != *contents && without_returns(&read) != without_returns(contents) {
             return Err(SweepError::not_the_benchmarks(file.display().to_string(), NAME));
@@ -150,21 +156,17 @@ impl ScoreCard {
 
     /// A line for every entry.
     pub fn table(&self) -> Table {
-        let percent = |share: f64| 100.0 * share;
-        let mut columns = Columns::of(&self.0);
-        columns = columns
+        let mut columns = Columns::of(&self.0)
             .text("set", "set", |entry| entry.set.name())
             .text("policy", "policy", |entry| entry.policy.clone())
             .data("policy_code", |entry| entry.code.clone())
             .column("score (95 %)", false, &["score", "score_low", "score_high"], |entry| score(entry.score))
-            .number("success %", "success_percent", 1, |e| percent(e.of.succeeded.share()))
-            .number("arrived %", "arrived_percent", 1, |e| percent(e.of.arrived.share()))
-            .number("off %", "off_preference_percent", 1, |e| percent(e.of.off_preference.mean()))
-            .data("path_efficiency_percent", |e| percent(e.of.path_efficiency.mean()))
-            .number("time s", "time_s", 1, |e| e.of.time.mean())
-            .number("force N", "internal_force_rms_n", 1, |e| e.of.internal_force.mean())
-            .number("work %", "human_work_percent", 1, |e| percent(e.of.work_share.mean()))
-            .data("accumulated_control_cost", |e| e.of.control_cost.mean());
+            .column("success %", false, &["success_percent"], |entry| figure(entry.of.succeeded.mean(), 1))
+            .column("arrived %", false, &["arrived_percent"], |entry| figure(entry.of.arrived.mean(), 1));
+        for (i, mean) in MEANS.iter().enumerate() {
+            let of = move |entry: &Entry| figure(entry.of.means[i].mean(), 1);
+            columns = columns.column(mean.heading, false, &[mean.key], of);
+        }
         columns
             .table("bench", NAME)
             .with_note("score: 100 is the best known in every world; the interval is over worlds.")
@@ -179,32 +181,30 @@ impl ScoreCard {
         lines.sort_by_key(|(entry, (number, _))| (entry.set, *number));
         let lines: Vec<(&Entry, &InWorld)> =
             lines.into_iter().map(|(entry, (_, world))| (entry, world)).collect();
-        let best = |(_, world): &(&Entry, &InWorld)| world.best.clone();
         Columns::of(&lines)
             .text("set", "set", |(entry, _)| entry.set.name())
             .text("world", "world", |(_, world)| world.world.clone())
             .text("policy", "policy", |(entry, _)| entry.policy.clone())
             .data("policy_code", |(entry, _)| entry.code.clone())
             .number("result (1/km)", "result_per_km", 4, |(_, world)| 1000.0 * world.result)
-            .column("best known", false, &["best_per_km"], move |line| {
-                let found = best(line).map(|best| 1000.0 * best.result);
-                Cell {
-                    shown: found.map_or("-".to_owned(), |b| format!("{b:.4}")),
-                    values: vec![found.into()],
-                }
+            .column("best known", false, &["best_per_km"], |(_, world)| {
+                figure(world.best.as_ref().map(|best| 1000.0 * best.result), 4)
             })
-            .column("by", true, &["best_policy"], move |line| {
-                let by = best(line).map(|best| best.policy);
-                Cell { shown: by.clone().unwrap_or_else(|| "-".to_owned()), values: vec![by.into()] }
+            .text("by", "best_policy", |(_, world)| {
+                world.best.as_ref().map_or("-".to_owned(), |best| best.policy.clone())
             })
-            .column("share %", false, &["share"], |(_, world)| {
-                let share = world.share();
-                let shown = share.map_or("-".to_owned(), |share| format!("{:.1}", 100.0 * share));
-                Cell { shown, values: vec![share.into()] }
+            .column("share %", false, &["share_percent"], |(_, world)| {
+                figure(world.share().map(|share| 100.0 * share), 1)
             })
             .table("bench-worlds", format!("{NAME}, world by world"))
             .with_note("result: mean of 1 / (accumulated objective cost), 0 without success.")
     }
+}
+
+/// A number, or `-` if there is none.
+fn figure(number: Option<f64>, decimals: usize) -> Cell {
+    let shown = number.map_or("-".to_owned(), |number| format!("{number:.decimals$}"));
+    Cell { shown, values: vec![number.into()] }
 }
 
 fn score(score: Option<Estimate>) -> Cell {
