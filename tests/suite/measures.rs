@@ -76,9 +76,9 @@ fn property_brute_force_of_how_forces_and_work_are_shared() {
     }
     assert!(opposed > 100, "the two forces are opposed in {opposed} steps only");
     let summary = *episode.summary().interaction.as_ref().expect("bodies");
-    for i in 0..2 {
-        near(summary.sharing.driving_work[i], driving[i], 0.01);
-        assert!(summary.sharing.driving_work[i] >= summary.work[i]);
+    for (by, driving) in driving.into_iter().enumerate() {
+        near(summary.sharing.driving_work[by], driving, 0.01);
+        assert!(summary.sharing.driving_work[by] >= summary.work[by]);
     }
     let rms = squares.map(|sum| (sum / count as f64).sqrt());
     near(summary.sharing.motive_force(), rms[0], 1e-9);
