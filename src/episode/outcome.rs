@@ -115,7 +115,7 @@ pub struct Summary {
 }
 
 /// The human's part of an episode.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HumanSummary {
     /// phi in the last step.
     pub stubbornness: f64,
@@ -128,12 +128,27 @@ pub struct HumanSummary {
     /// Steps in which the robot led although phi exceeded 1.
     pub steps_overruled: u64,
     /// Sum over the steps of J^, eq. (2), of the executed option with the human's alpha and gamma at that
-    /// step; cost units.
-    pub subjective_cost: f64,
+    /// step; cost units. None once a human without alpha and gamma has decided.
+    pub subjective_cost: Option<f64>,
     /// Number of changes of the human's alpha and gamma.
     pub preference_changes: u32,
     /// Number of changes of the preferred option.
     pub preferred_option_switches: u32,
+}
+
+impl Default for HumanSummary {
+    fn default() -> Self {
+        Self {
+            stubbornness: 0.0,
+            discomfort: 0.0,
+            preferred_at_start: 0,
+            steps_off_preference: 0,
+            steps_overruled: 0,
+            subjective_cost: Some(0.0),
+            preference_changes: 0,
+            preferred_option_switches: 0,
+        }
+    }
 }
 
 impl HumanSummary {
@@ -343,7 +358,7 @@ impl HumanSummary {
         self.preference_changes += u32::from(done.has_changed);
         self.steps_off_preference += u64::from(executed != preferred);
         self.steps_overruled += u64::from(mode == Mode::RobotLed && stubbornness > STUBBORNNESS_THRESHOLD);
-        self.subjective_cost += done.subjective_cost.unwrap_or(0.0);
+        self.subjective_cost = self.subjective_cost.zip(done.subjective_cost).map(|(sum, cost)| sum + cost);
         (self.stubbornness, self.discomfort) = (stubbornness, discomfort);
     }
 }

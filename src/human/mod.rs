@@ -8,12 +8,14 @@
 mod boltzmann;
 mod model;
 mod models;
+mod perceiving;
 mod preference;
 mod scripted;
 
 pub use boltzmann::{Boltzmann, disturbances};
 pub use model::{HumanModel, Participant, PreferenceChange};
 pub use models::{MODELS, ModelName};
+pub use perceiving::Perceiving;
 pub use preference::PreferenceHuman;
 pub use scripted::Scripted;
 

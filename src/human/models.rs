@@ -1,13 +1,20 @@
 //! The human models that scenarios, studies and the command line know by name.
 
 use super::model::{HumanModel, Participant};
-use super::{Human, boltzmann, preference, scripted};
+use super::{Human, boltzmann, perceiving, preference, scripted};
 use crate::error::Error;
 use crate::suggestion;
 use std::str::FromStr;
 
 /// All models. A new model needs its own file and a line here.
-pub const MODELS: [&HumanModel; 3] = [&preference::MODEL, &boltzmann::MODEL, &scripted::MODEL];
+pub const MODELS: [&HumanModel; 6] = [
+    &preference::MODEL,
+    &boltzmann::MODEL,
+    &scripted::MODEL,
+    &perceiving::CUMULATIVE_PROSPECT,
+    &perceiving::CONDITIONAL_VALUE_AT_RISK,
+    &perceiving::EXPECTED_RISK,
+];
 
 /// A model with its arguments, written as `preference` or `boltzmann(2.5)`.
 #[derive(Clone)]

@@ -18,6 +18,7 @@
 //! # Ok::<(), cocarry::Error>(())
 //! ```
 
+mod alternatives;
 mod belief;
 mod choice;
 mod curve;
@@ -37,6 +38,10 @@ mod softmax;
 mod strips;
 mod ties;
 
+pub use alternatives::{
+    ALTERNATIVES, CONDITIONAL_VALUE_AT_RISK, CUMULATIVE_PROSPECT, EXPECTED_RISK, Group, RiskParameter,
+    RiskPerception, StevensPrelec,
+};
 pub use belief::{Belief, SampleSet, WeightedSample};
 pub use choice::{ChoiceDistribution, with_lapses};
 pub(crate) use limits::check_lapse_rate;

@@ -84,13 +84,18 @@ pub fn human_choice(
     current: Option<usize>,
 ) -> usize {
     let cost = |option: usize| subjective_cost(prospects[option], risk_weight, perception);
-    if prospects.is_empty() {
+    cheapest(prospects.len(), current, cost)
+}
+
+/// The option of least cost among so many: of several, `current`, or else the first. 0 without options.
+pub(super) fn cheapest(options: usize, current: Option<usize>, cost: impl Fn(usize) -> f64) -> usize {
+    if options == 0 {
         return 0;
     }
-    let first = current.filter(|&option| option < prospects.len()).unwrap_or(0);
+    let first = current.filter(|&option| option < options).unwrap_or(0);
     let (mut best, mut lowest) = (first, cost(first));
     // Strictly better only: the option compared first keeps a tie.
-    for option in (0..prospects.len()).filter(|&option| option != first) {
+    for option in (0..options).filter(|&option| option != first) {
         let candidate = cost(option);
         if candidate < lowest {
             (best, lowest) = (option, candidate);

@@ -66,7 +66,7 @@ pub const EPISODE: &[Quantity] = quantities! {
     "share_off_preference", PLAIN, "share of the steps off the option that this human preferred, 0 to 1", |v| v.summary().human.share_off_preference(v.summary().steps);
     "disagreement_time_s", SECONDS, "time in which another option than the one that this human preferred was executed", |v| v.seconds(v.summary().human.steps_off_preference);
     "overruled_time_s", SECONDS, "time in which the robot led although phi exceeded 1, as a policy may", |v| v.seconds(v.summary().human.steps_overruled);
-    "accumulated_subjective_cost", PLAIN, "sum over the steps of J^ of the option executed, eq. (2), with this human's alpha and gamma; cost units", |v| v.summary().human.subjective_cost;
+    "accumulated_subjective_cost", PLAIN, "sum over the steps of J^ of the option executed, eq. (2), with this human's alpha and gamma; cost units; missing for humans without them", |v| v.summary().human.subjective_cost;
     "preference_change_count", Count, "how often the human's alpha and gamma changed", |v| v.summary().human.preference_changes;
     "preferred_option_switches", Count, "how often the option that the human preferred changed", |v| v.summary().human.preferred_option_switches;
     "preferred_at_start", Text, "the option that the human preferred in the first step", |v| v.option(v.summary().human.preferred_at_start);

@@ -22,10 +22,11 @@ impl View<'_> {
         let summary = self.episode.summary();
         let mut text = format!("  accumulated objective cost {:.2} m\n", summary.accumulated_cost);
         let HumanSummary { stubbornness, discomfort, subjective_cost, .. } = summary.human;
+        let subjective =
+            subjective_cost.map_or(String::new(), |cost| format!("; accumulated subjective cost {cost:.2}"));
         let _ = writeln!(
             text,
-            "  human: final phi {stubbornness:.3}, discomfort g {discomfort:.2}; spent {:.0} % of the steps on an option they did not prefer; \
-             accumulated subjective cost {subjective_cost:.2}",
+            "  human: final phi {stubbornness:.3}, discomfort g {discomfort:.2}; spent {:.0} % of the steps on an option they did not prefer{subjective}",
             100.0 * summary.human.share_off_preference(summary.steps)
         );
         if let (Some((robot, setup)), Some(control)) =

@@ -42,6 +42,13 @@ fn an_episode_cites_what_it_used() {
         let (keys, _) = cited(&[&recorded(&file, &[point, rational].concat())]);
         assert_eq!(keys, [&ALL[..], &PERCEPTION, &["mcfadden1974conditional"]].concat());
     }
+    for (human, key) in [
+        ("cvar(0.3)", "rockafellar2000optimization"),
+        ("cumulative-prospect(0.88,0.69)", "tversky1992advances"),
+    ] {
+        let (keys, _) = cited(&[&recorded(&file, &[&point[..], &["--human", human]].concat())]);
+        assert_eq!(keys, [&ALL[..], &PERCEPTION, &[key]].concat());
+    }
     let kinematic = recorded(&file, &["--plant", "kinematic"]);
     assert_eq!(cited(&[&kinematic]).0, [&ALL[..], &PERCEPTION, &CONTROL, &["parry"]].concat());
     let (keys, said) = cited(&["recordings/environment-1.mcap"]);

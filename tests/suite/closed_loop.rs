@@ -126,7 +126,8 @@ fn closed_form_what_an_episode_is_to_the_human() {
     }
     let (human, steps) = (episode.summary().human, episode.summary().steps);
     let last = ticks.last().expect("a tick");
-    assert!((human.subjective_cost - cost).abs() < 1e-9 * cost, "{} {cost}", human.subjective_cost);
+    let found = human.subjective_cost.unwrap();
+    assert!((found - cost).abs() < 1e-9 * cost, "{found} {cost}");
     assert_eq!((human.stubbornness, human.discomfort), (last.stubbornness, last.discomfort));
     let off = ticks.iter().filter(|t| t.executed != t.preferred).count();
     assert_eq!(human.steps_off_preference, off as u64);

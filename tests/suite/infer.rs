@@ -219,3 +219,32 @@ fn recorded_walks_are_seen_as_the_learning_robot_sees_them() {
     let broken = written(folder.path(), "broken.mcap", "no recording");
     refused(&["infer", &broken], &["broken.mcap"]);
 }
+
+#[test]
+fn perceptions_of_risk_are_compared_on_held_out_worlds() {
+    let told = stdout(&cocarry(&["infer", ANSWERS, "--perceptions", "--draws", "100"]));
+    let rows = told.split("The same by other perceptions of risk").nth(1).expect("a table");
+    assert!(rows.contains("cumulative-prospect") && rows.contains("its own c_r"), "{rows}");
+    let table = rows.lines().filter(|line| line.contains(" %") || line.contains('═'));
+    assert!(table.into_iter().all(|line| line.chars().count() <= 80), "{rows}");
+    let found = json(&["infer", ANSWERS, "--perceptions", "--draws", "100", "--json"]);
+    let rows = found["perceptions"].as_array().unwrap();
+    // these people are the paper's
+    assert_eq!(rows[0]["perception"], "stevens-prelec");
+    assert_eq!(rows.len(), 4);
+    // the first row's score with the given c_r is the one of the exact posterior
+    let all = found["held_out"].as_array().unwrap().iter().find(|row| row["world"].is_null()).unwrap();
+    let [ours, exact] =
+        [&rows[0]["posterior"], &all["posterior"]].map(|row| row["log_score"].as_f64().unwrap());
+    assert!((ours - exact).abs() < 1e-3, "{ours} {exact}");
+    assert!(json(&["infer", ANSWERS, "--json"])["perceptions"].is_null());
+    refused(
+        &["infer", SWITCHES, "--perceptions"],
+        &["--perceptions", "a file of answers in two worlds or more"],
+    );
+    refused(&["infer", TABLE_1, "--means-of", "20", "--perceptions"], &["cannot be used with"]);
+    refused(
+        &["infer", ANSWERS, "--perceptions", "--risk-weight", "0"],
+        &["risk weight c_r = 0 m", "greater than 0"],
+    );
+}

@@ -1,6 +1,6 @@
 //! The seams: policies, humans and plants of one's own, and the human models that scenarios know by name.
 
-use crate::support::{cocarry, json, stderr};
+use crate::support::{cocarry, json, stderr, stdout};
 use cocarry::control;
 use cocarry::coordination::Mode;
 use cocarry::episode::{Episode, EpisodeBuilder, Outcome, Settings};
@@ -321,7 +321,7 @@ fn closed_form_boltzmann_choices_have_boltzmann_frequencies() {
 
 #[test]
 fn a_human_of_any_model_is_in_scenarios_and_snapshots() {
-    for model in ["boltzmann(0.5)", "scripted(0:2,30:1)"] {
+    for model in ["boltzmann(0.5)", "scripted(0:2,30:1)", "cvar(0.3)", "cumulative-prospect(0.88,0.69)"] {
         let prepared = prepared(scenario::Plant::Point, model);
         let text = prepared.scenario().text().unwrap_or_else(|e| panic!("{e}"));
         assert!(text.contains(&format!("human_model = \"{model}\"")), "{text}");
@@ -352,9 +352,47 @@ fn the_command_line_takes_human_models() {
         ("scripted(5:1)", "the first at step 0"),
         ("scripted(0:9)", "unknown option `9`"),
         ("preference(1)", "no arguments"),
+        ("cvar(0)", "TAIL above 0 to 1"),
+        ("cvar(0.3,0.4)", "expected cvar(TAIL), for example cvar(0.5)"),
+        ("cumulative-prospect(0.88)", "EXPONENT from 0.5 to 1, WEIGHTING from 0.28 to 1"),
+        ("expected-risk(1)", "no arguments"),
     ] {
         let output = cocarry(&["run", "--plant", "point", "--human", model]);
         let error = stderr(&output);
         assert!(output.status.code() == Some(2) && error.contains(said), "{model}: {error}");
     }
+}
+
+#[test]
+fn humans_of_other_perceptions_prefer_their_own_least_cost() {
+    let options = json(&["world", "environment-1", "--json"]);
+    let numbers = |key: &str| -> Vec<f64> {
+        let options = options["options"].as_array().unwrap().iter();
+        options.map(|option| option[key].as_f64().unwrap()).collect()
+    };
+    let (lengths, risks) = (numbers("length_m"), numbers("risk"));
+    let least = |cost: &dyn Fn(f64, f64) -> f64| {
+        let costs: Vec<f64> = lengths.iter().zip(&risks).map(|(d, s)| cost(*d, *s)).collect();
+        (0..costs.len()).min_by(|a, b| costs[*a].total_cmp(&costs[*b])).map(|o| (o + 1).to_string())
+    };
+    let weight = |s: f64| s.powf(0.5) / (s.powf(0.5) + (1.0 - s).powf(0.5)).powf(2.0);
+    let prospect = |d: f64, s: f64| weight(s) * (d + 40.0).powf(0.6) + (1.0 - weight(s)) * d.powf(0.6);
+    let wanted = [
+        ("expected-risk", least(&|d, s| d + 40.0 * s)),
+        ("cvar(0.1)", least(&|d, s| d + 40.0 * f64::min(1.0, s / 0.1))),
+        ("cvar(0.9)", least(&|d, s| d + 40.0 * f64::min(1.0, s / 0.9))),
+        ("cumulative-prospect(0.6,0.5)", least(&prospect)),
+    ];
+    for (model, option) in &wanted {
+        let run =
+            ["run", "environment-1", "--plant", "point", "--method", "human-led", "--risk-weight", "40"];
+        let summary = json(&[&run[..], &["--human", model, "--json"]].concat());
+        assert_eq!(summary["first_option"].as_str(), option.as_deref(), "{model}: {wanted:?}");
+        // without alpha and gamma there is no subjective cost
+        assert!(summary["accumulated_subjective_cost"].is_null(), "{model}");
+        let told = stdout(&cocarry(&[&run[..], &["--human", model]].concat()));
+        assert!(told.contains("did not prefer") && !told.contains("subjective"), "{told}");
+    }
+    // the models do not all agree
+    assert!(wanted.iter().any(|(_, option)| *option != wanted[0].1), "{wanted:?}");
 }

@@ -176,7 +176,8 @@ impl Lane {
             let decision = rules.decision(episode, action);
             episode.finish_step(&decision);
             let tick = episode.tick();
-            let so_far = episode.summary().human.subjective_cost;
+            // 0 for a human without alpha and gamma
+            let so_far = episode.summary().human.subjective_cost.unwrap_or(0.0);
             let control = tick.robot.as_ref().map_or(0.0, |robot| robot.cost());
             *costs = [tick.objective_cost, so_far - *subjective, control];
             *subjective = so_far;

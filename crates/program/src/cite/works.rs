@@ -13,12 +13,18 @@ pub(super) struct Work {
 }
 
 /// All works, in the order of the entries.
-pub(super) const WORKS: [Work; 10] = [
+pub(super) const WORKS: [Work; 12] = [
     Work { is_general: true, is_used: |_| true, reference: |_| PAPER },
     Work { is_general: true, is_used: |_| true, reference: program },
     Work { is_general: false, is_used: |_| true, reference: |_| PRELEC },
     Work { is_general: false, is_used: |_| true, reference: |_| STEVENS },
     Work { is_general: false, is_used: chooses_by_logit, reference: |_| MCFADDEN },
+    Work {
+        is_general: false,
+        is_used: |scenario| is_human(scenario, "cumulative-prospect"),
+        reference: |_| TVERSKY,
+    },
+    Work { is_general: false, is_used: |scenario| is_human(scenario, "cvar"), reference: |_| ROCKAFELLAR },
     Work { is_general: false, is_used: has_controller, reference: |_| JUDICE },
     Work { is_general: false, is_used: has_controller, reference: |_| LAWSON },
     Work {
@@ -40,7 +46,11 @@ pub(super) const WORKS: [Work; 10] = [
 
 /// The human, or the humans of the robot's belief, choose with Boltzmann's probabilities.
 fn chooses_by_logit(scenario: &Scenario) -> bool {
-    scenario.human_model.model().name == "boltzmann" || scenario.settings.predictor.rationality().is_some()
+    is_human(scenario, "boltzmann") || scenario.settings.predictor.rationality().is_some()
+}
+
+fn is_human(scenario: &Scenario, model: &str) -> bool {
+    scenario.human_model.model().name == model
 }
 
 fn has_controller(scenario: &Scenario) -> bool {
@@ -182,6 +192,38 @@ const MCFADDEN: Reference<'static> = Reference {
         &[Author::Person("McFadden", "Daniel")],
         "Conditional logit analysis of qualitative choice behavior",
         "humans who choose with Boltzmann's probabilities",
+    )
+};
+
+const TVERSKY: Reference<'static> = Reference {
+    year: Some(1992),
+    within: "Journal of Risk and Uncertainty",
+    volume: "5",
+    issue: "4",
+    pages: Some((297, 323)),
+    doi: "10.1007/BF00122574",
+    ..Reference::new(
+        "tversky1992advances",
+        Kind::Article,
+        &[Author::Person("Tversky", "Amos"), Author::Person("Kahneman", "Daniel")],
+        "Advances in prospect theory: cumulative representation of uncertainty",
+        "humans who perceive risk by cumulative prospect theory",
+    )
+};
+
+const ROCKAFELLAR: Reference<'static> = Reference {
+    year: Some(2000),
+    within: "Journal of Risk",
+    volume: "2",
+    issue: "3",
+    pages: Some((21, 41)),
+    doi: "10.21314/JOR.2000.038",
+    ..Reference::new(
+        "rockafellar2000optimization",
+        Kind::Article,
+        &[Author::Person("Rockafellar", "R. Tyrrell"), Author::Person("Uryasev", "Stanislav")],
+        "Optimization of conditional value-at-risk",
+        "humans who perceive risk by its conditional value at risk",
     )
 };
 

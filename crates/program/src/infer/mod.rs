@@ -19,8 +19,8 @@ use cocarry::options::OptionSet;
 use cocarry::scenario::{BELIEF_LAPSE, INITIAL_STUBBORNNESS, PLANNING_STEP, Plant, Scenario};
 use cocarry_recording::recording::{Reader, rerun, scenario};
 use cocarry_studies::fit::{
-    AnswerFile, Answers, InferenceModel, InferenceSettings, Kind, Situation, Switch, SwitchFile, Switches,
-    Walk, infer, infer_means,
+    AnswerFile, Answers, InferenceModel, InferenceSettings, Kind, PERCEPTION_UNITS, Situation, Switch,
+    SwitchFile, Switches, Walk, compare_perceptions, infer, infer_means,
 };
 use cocarry_studies::report::people_columns;
 use serde_json::json;
@@ -38,13 +38,15 @@ use std::process::ExitCode;
 /// and is uninformative. Every participant's posterior of alpha and gamma is exact, with the belief as prior;
 /// a posterior of eta too, with a log-normal prior. With two participants or more, alpha and gamma also have a
 /// population: independent truncated normals on the belief's ranges, whose means and spreads are inferred.
-/// With two worlds or more, each is held out in turn, and its answers are predicted from the others.
+/// With two worlds or more, each is held out in turn, and its answers are predicted from the others;
+/// --perceptions does so by other perceptions of risk, too.
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[
     ("cocarry infer answers.csv", "alpha and gamma of every participant, and of all"),
     ("cocarry infer answers.csv switches.csv --csv people.csv", "eta too, with a row for every participant"),
     ("cocarry infer anna.mcap ben.mcap", "from recorded walks"),
     ("cocarry infer answers.csv --arviz people.zarr.zip", "draws from the posterior, for ArviZ"),
+    ("cocarry infer answers.csv --perceptions", "do the answers follow another perception of risk?"),
     ("cocarry infer docs/data/table-1-humans.csv --means-of 20 --normalise", "a population from mean answers"),
 ]))]
 pub(super) struct InferArguments {
@@ -76,6 +78,10 @@ pub(super) struct InferArguments {
     /// Infer every participant alone, without a population
     #[arg(long, conflicts_with = "means_of")]
     no_population: bool,
+    /// Compare the paper's perception of risk with cumulative prospect theory, conditional value at risk and
+    /// expected risk, by the answers in worlds held out
+    #[arg(long, conflicts_with = "means_of")]
+    perceptions: bool,
     /// Scale the percentages of every answer to sum to 100 [default: only sums from 99 to 101 are scaled, for
     /// rounding; others are refused]
     #[arg(long)]
@@ -143,6 +149,18 @@ pub(super) fn run_infer(arguments: &InferArguments) -> Result<ExitCode, Failure>
             infer(read.answers.as_ref(), switches, &read.walks, &model, &settings, done)
         })?
         .map_err(input)?;
+    let perceptions = match (&read.answers, arguments.perceptions) {
+        (_, false) => None,
+        (Some(answers), true) if answers.situations.len() > 1 => Some(
+            arguments
+                .common
+                .with_progress(PERCEPTION_UNITS, "perceptions", |done| {
+                    compare_perceptions(answers, &model, &settings, done)
+                })?
+                .map_err(input)?,
+        ),
+        _ => return Err(input(anyhow!("--perceptions: it needs a file of answers in two worlds or more"))),
+    };
     if let Some(path) = &arguments.csv {
         write_file(&outputs, path, people_columns(&inference.people).table("people", "Participants").csv())?;
     }
@@ -163,6 +181,7 @@ pub(super) fn run_infer(arguments: &InferArguments) -> Result<ExitCode, Failure>
             "unexplained_lines": inference.tolerances.as_ref().map(|fit| &fit.unexplained_lines),
             "held_out": inference.held_out,
             "checks": inference.checks,
+            "perceptions": perceptions,
             "lapse_rate": settings.lapse_rate,
             "planning_step_s": arguments.planning_step,
             "draws": settings.draws * cocarry_studies::fit::CHAINS,
@@ -171,7 +190,8 @@ pub(super) fn run_infer(arguments: &InferArguments) -> Result<ExitCode, Failure>
         return Ok(ExitCode::SUCCESS);
     }
     let mut shown = String::new();
-    for table in text::tables(&inference, &settings) {
+    let compared = perceptions.as_deref().map(|rows| text::of_perceptions(rows, model.risk_weight));
+    for table in text::tables(&inference, &settings).into_iter().chain(compared) {
         if !shown.is_empty() {
             shown.push('\n');
         }

@@ -2,7 +2,8 @@
 
 use crate::output::table_with_notes;
 use cocarry_studies::fit::{
-    Answers, Figure, HeldOut, Inference, InferenceSettings, Means, Person, Population, QUANTITIES, Score,
+    Answers, Figure, HeldOut, Inference, InferenceSettings, Means, PerceptionScore, Person, Population,
+    QUANTITIES, Score,
 };
 use cocarry_studies::report::{figure_columns, population_table, shown_interval};
 use cocarry_studies::table::{Cell, Columns, Table};
@@ -114,14 +115,40 @@ pub(super) fn population_json(population: &Population) -> Value {
     })
 }
 
-fn of_held_out(rows: &[HeldOut]) -> Table {
-    let score = |score: Option<Score>| match score {
-        None => "-".to_owned(),
-        Some(Score { log_score, hits }) => {
-            let log = log_score.map_or("-inf".to_owned(), |log| format!("{log:.3}"));
-            format!("{log}, {:.0} %", 100.0 * hits)
+fn shown_score(Score { log_score, hits }: Score) -> String {
+    let log = log_score.map_or("-inf".to_owned(), |log| format!("{log:.3}"));
+    format!("{log}, {:.0} %", 100.0 * hits)
+}
+
+/// How well every perception of risk predicts.
+pub(super) fn of_perceptions(rows: &[PerceptionScore], risk_weight: f64) -> Table {
+    // two lines for each: with the given c_r, and with its own
+    let lines: Vec<(&PerceptionScore, bool)> =
+        rows.iter().flat_map(|row| [(row, true), (row, false)]).collect();
+    let of = |(row, is_given): &(&PerceptionScore, bool)| match is_given {
+        true => (format!("{risk_weight:.1}"), row.posterior, row.prior),
+        false => {
+            let [low, high] = row.fitted_risk_weights;
+            let shown = if low == high { format!("{low:.1}") } else { format!("{low:.1} to {high:.1}") };
+            (shown, row.fitted_posterior, row.fitted_prior)
         }
     };
+    let cell = |shown: String| Cell { shown, values: vec![] };
+    Columns::of(&lines)
+        .text("perception", "perception", |(row, is_given)| {
+            if *is_given { row.perception.clone() } else { "  its own c_r".to_owned() }
+        })
+        .column("c_r (m)", false, &[], move |line| cell(of(line).0))
+        .column("own posterior", false, &[], move |line| cell(shown_score(of(line).1)))
+        .column("prior", false, &[], move |line| cell(shown_score(of(line).2)))
+        .table("perceptions", "The same by other perceptions of risk, all worlds: mean log score, and share of hits")
+        .with_note(format!(
+            "its own c_r: for each held-out world, the one under which the answers in the other worlds are most probable, of 25 from a sixteenth to 16 times {risk_weight} m. Best first by the own posterior with it."
+        ))
+}
+
+fn of_held_out(rows: &[HeldOut]) -> Table {
+    let score = |score: Option<Score>| score.map_or("-".to_owned(), shown_score);
     Columns::of(rows)
         .text("held out", "world", |row| row.world.clone().unwrap_or_else(|| "all".to_owned()))
         .count("answers", "answers", |row| row.answers as u64)

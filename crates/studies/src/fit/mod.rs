@@ -23,8 +23,8 @@ pub use csv_text::read_csv_text;
 pub use eta::{Eta, EtaFit, Evidence, fit_eta};
 pub use infer::{
     CHAINS, ChoiceEvidence, ChosenWorlds, Draws, Figure, HeldOut, Inference, Means, MeansRow,
-    Model as InferenceModel, OptionCheck, Person, Population, QUANTITIES, Score,
-    Settings as InferenceSettings, Switches, Walk, infer, infer_means,
+    Model as InferenceModel, OptionCheck, PERCEPTION_UNITS, PerceptionScore, Person, Population, QUANTITIES,
+    Score, Settings as InferenceSettings, Switches, Walk, compare_perceptions, infer, infer_means,
 };
 pub use kind::Kind;
 pub use lognormal::{LogNormal, MIN_BOUNDED, MIN_DRAWS, NoInterval};

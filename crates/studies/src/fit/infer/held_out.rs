@@ -123,24 +123,30 @@ fn fitted(answers: &Answers, model: &Model, world: usize) -> Option<Vec<f64>> {
     Some(answered(&preferred, fit.likelihood.lapse.expect("the likelihood estimates the lapse rate")))
 }
 
+/// The score of answers, each with the probabilities that were predicted for it.
+pub(super) fn score<'a>(answers: impl Iterator<Item = (&'a [f64], &'a [f64])>) -> Score {
+    let (mut sum, mut hits, mut count) = (0.0, 0.0, 0);
+    for (shares, probabilities) in answers {
+        let terms = shares.iter().zip(probabilities).filter(|(share, _)| **share > 0.0);
+        sum += terms.map(|(share, p)| share * math::ln(*p)).sum::<f64>();
+        hits += hit(shares, probabilities);
+        count += 1;
+    }
+    let n = f64::from(count.max(1));
+    Score { log_score: (sum / n).is_finite().then_some(sum / n), hits: hits / n }
+}
+
 fn row(world: Option<String>, all: &[&Predicted]) -> HeldOut {
-    let score = |by: usize| -> Option<Score> {
-        let (mut sum, mut hits) = (0.0, 0.0);
-        for one in all {
-            let probabilities = one.by[by].as_ref()?;
-            let terms = one.shares.iter().zip(probabilities).filter(|(share, _)| **share > 0.0);
-            sum += terms.map(|(share, p)| share * math::ln(*p)).sum::<f64>();
-            hits += hit(&one.shares, probabilities);
-        }
-        let n = all.len().max(1) as f64;
-        Some(Score { log_score: (sum / n).is_finite().then_some(sum / n), hits: hits / n })
+    let scored = |by: usize| -> Option<Score> {
+        let pairs = all.iter().map(|one| Some((one.shares.as_slice(), one.by[by].as_deref()?)));
+        Some(score(pairs.collect::<Option<Vec<_>>>()?.into_iter()))
     };
     HeldOut {
         world,
         answers: all.len(),
-        posterior: score(0).unwrap_or_default(),
-        prior: score(1).unwrap_or_default(),
-        fit: score(2),
+        posterior: scored(0).unwrap_or_default(),
+        prior: scored(1).unwrap_or_default(),
+        fit: scored(2),
     }
 }
 

@@ -10,6 +10,7 @@ mod evidence;
 mod held_out;
 mod inputs;
 mod means;
+mod perceptions;
 mod population;
 
 pub use chosen::{ChoiceEvidence, ChosenWorlds};
@@ -17,6 +18,7 @@ pub use draws::{CHAINS, Draws};
 pub use held_out::{HeldOut, OptionCheck, Score};
 pub use inputs::{Model, Settings, Switches, Walk};
 pub use means::{Means, MeansRow, infer_means};
+pub use perceptions::{PERCEPTION_UNITS, PerceptionScore, compare_perceptions};
 pub use population::{Figure, Population, QUANTITIES};
 
 use super::{Answers, EtaFit, Set, fit_eta};

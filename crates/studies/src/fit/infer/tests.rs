@@ -2,7 +2,9 @@ use super::*;
 use crate::fit::Situation;
 use cocarry::learning::TolerancePrior;
 use cocarry::math;
-use cocarry::preference::{Marginal, Perception, Prospect, human_choice};
+use cocarry::preference::{
+    ALTERNATIVES, Marginal, Perception, Prospect, RiskPerception, StevensPrelec, human_choice,
+};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -243,4 +245,58 @@ fn issue_a_mean_outside_its_interval_was_all_that_was_told() {
         assert!(outer[0] <= inner[0] && inner[1] <= outer[1], "{figure:?}");
     }
     assert!(figure.interval[0] > 27.4 && figure.interval[1] < 27.64, "{figure:?}");
+}
+
+/// One choice of people with this perception of risk in every world, with lapses.
+fn answers_by(
+    perception: &dyn RiskPerception,
+    people: usize,
+    risk_weight: f64,
+    lapse_rate: f64,
+    rng: &mut ChaCha8Rng,
+) -> Answers {
+    let mut answers = answers(&vec![Perception { alpha: 1.0, gamma: 1.0 }; people], 0.0, rng);
+    for worlds in &mut answers.shares {
+        let parameters = perception.at(&[rng.random(), rng.random()]);
+        for (shares, situation) in worlds.iter_mut().zip(&answers.situations) {
+            let prefers = perception.choice(&situation.prospects, risk_weight, &parameters, None);
+            let drawn = rng.random_range(0..situation.options.len());
+            let chosen = if rng.random_bool(lapse_rate) { drawn } else { prefers };
+            *shares = Some((0..situation.options.len()).map(|o| f64::from(u8::from(o == chosen))).collect());
+        }
+    }
+    answers
+}
+
+#[test]
+fn answers_follow_the_perception_of_risk_that_made_them() {
+    let paper = StevensPrelec::new(Belief::default());
+    // with 10 m, cumulative prospect theory and expected risk have everybody choose the same
+    let model = Model { risk_weight: 40.0, ..model() };
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    for perception in ALTERNATIVES.into_iter().chain([&paper as &dyn RiskPerception]) {
+        let answers = answers_by(perception, 200, model.risk_weight, 0.02, &mut rng);
+        let rows = compare_perceptions(&answers, &model, &few_draws(0.02), &|| ()).unwrap();
+        let mut scores: Vec<_> = rows.iter().map(|row| (row.posterior.log_score, &row.perception)).collect();
+        scores.sort_by(|a, b| b.0.partial_cmp(&a.0).unwrap());
+        assert_eq!(scores[0].1, perception.name(), "{scores:?}");
+        // the c_r that the answers were made with is found, to a step of 26 %
+        let own = rows.iter().find(|row| row.perception == perception.name()).unwrap();
+        let [low, high] = own.fitted_risk_weights;
+        assert!(low > 25.0 && high < 64.0, "{}: {low} to {high}", perception.name());
+    }
+}
+
+#[test]
+fn the_papers_row_of_perceptions_is_the_exact_prediction_of_held_out_worlds() {
+    let mut rng = ChaCha8Rng::seed_from_u64(6);
+    let answers = answers_by(&StevensPrelec::new(Belief::default()), 40, RISK_WEIGHT, 0.1, &mut rng);
+    let exact = inferred(&answers, &few_draws(0.1));
+    let exact = exact.held_out.iter().find(|row| row.world.is_none()).unwrap();
+    let rows = compare_perceptions(&answers, &model(), &few_draws(0.1), &|| ()).unwrap();
+    let paper = rows.iter().find(|row| row.perception == "stevens-prelec").unwrap();
+    for (found, wanted) in [(paper.posterior, exact.posterior), (paper.prior, exact.prior)] {
+        let difference = found.log_score.unwrap() - wanted.log_score.unwrap();
+        assert!(difference.abs() < 1e-3 && found.hits == wanted.hits, "{found:?} {wanted:?}");
+    }
 }

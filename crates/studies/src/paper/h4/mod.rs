@@ -404,7 +404,7 @@ fn carry(episode: &mut Episode, settings: &Settings, human: Perception) -> Task 
     Task {
         arrived: outcome == Outcome::Arrived,
         regret,
-        human_cost: summary.human.subjective_cost,
+        human_cost: summary.human.subjective_cost.expect("the paper's human has alpha and gamma"),
         objective_cost: summary.accumulated_cost,
         share_off_preference: summary.human.share_off_preference(summary.steps),
         took_over: summary.transition.is_some(),
