@@ -28,8 +28,10 @@ COUNT_S = 10.0
 class _Study:
     """A study as its texts, which workers on other machines read as if they had its files."""
 
-    def __init__(self, text: str, file: str, folder: str, seeds: int | None, files: list[pathlib.Path]):
-        self.text, self.file, self.seeds = text, file, seeds
+    def __init__(
+        self, text: str, file: str, folder: str, seeds: int | None, partners: dict[str, Any], files: list[pathlib.Path]
+    ):
+        self.text, self.file, self.seeds, self.partners = text, file, seeds, partners
         root = pathlib.Path(folder).resolve()
         near = [path for path in files if path.is_file() and path.resolve().is_relative_to(root)]
         # files elsewhere must be at the same place on every machine
@@ -54,7 +56,7 @@ class _Study:
         begun = time.perf_counter()
         with self.at() as folder:
             rows = _cocarry.study_rows(
-                self.text, file=self.file, folder=folder, seeds=self.seeds, first=first, end=end
+                self.text, file=self.file, folder=folder, seeds=self.seeds, first=first, end=end, **self.partners
             )
         return rows, time.perf_counter() - begun
 
@@ -69,6 +71,7 @@ def sweep(
     file: str,
     folder: str,
     seeds: int | None,
+    partners: dict[str, Any],
     out: str | os.PathLike[str] | None,
     overwrite: bool,
     address: str | None,
@@ -82,9 +85,12 @@ def sweep(
     if out is None:
         with tempfile.TemporaryDirectory() as temporary:
             there = pathlib.Path(temporary, "rows.csv")
-            return sweep(text, file, folder, seeds, there, overwrite, address, progress, table)
-    rows = _cocarry.Rows(text, file=file, folder=folder, seeds=seeds, out=out, overwrite=overwrite)
-    study = _Study(text, file, folder, seeds, [pathlib.Path(name) for name in rows.files(pathlib.Path(folder, "study"))])
+            return sweep(text, file, folder, seeds, partners, there, overwrite, address, progress, table)
+    rows = _cocarry.Rows(text, file=file, folder=folder, seeds=seeds, **partners, out=out, overwrite=overwrite)
+    if rows.kept == rows.episodes:
+        return rows.finish(table)
+    files = [pathlib.Path(name) for name in rows.files(pathlib.Path(folder, "study"))]
+    study = _Study(text, file, folder, seeds, partners, files)
     is_ours = not ray.is_initialized()
     if is_ours:
         _reach(address)
@@ -159,7 +165,10 @@ def _run(ray: Any, rows: Any, study: _Study, tell: Callable[[int, int, int], Non
     next_row, count = rows.kept, rows.episodes
     processors, counted = _processors(ray), time.monotonic()
     task = ray.remote(study.__class__.rows).options(num_cpus=1, max_retries=RETRIES)
-    shared = ray.put(study)
+    try:
+        shared = ray.put(study)
+    except TypeError as error:  # of what cannot be pickled
+        raise StudyError(f'backend = "ray": a custom policy or human cannot be sent to workers: {_reason(error)}') from error
     # one episode at first, which tells how many make a block
     per_episode: float | None = None
     submitted, size = next_row, 1

@@ -178,8 +178,9 @@ def test_what_cannot_be_joined_is_refused_before_work_is_sent(study, cluster, mo
         other.setattr(_cocarry, "__version__", "0.0.9")
         with pytest.raises(cocarry.StudyError, match=r"node .*: version 0\.1\.0; here it is 0\.0\.9"):
             cocarry.sweep(study / "study.toml", backend="ray", address=cluster.address)
+    # of another study
     with pytest.raises(cocarry.StudyError, match="exists already"):
-        cocarry.sweep(study / "study.toml", out=study / "expected.csv", backend="ray", address=cluster.address)
+        cocarry.sweep(study / "study.toml", seeds=2, out=study / "expected.csv", backend="ray", address=cluster.address)
     for wrong, message in [
         ({"backend": "dask"}, 'backend = \'dask\'; it must be "ray"'),
         ({"address": "localhost:1"}, 'needs backend = "ray"'),
@@ -200,3 +201,30 @@ def test_another_cluster_than_the_connected_one_is_told(study, cluster):
 def test_a_cluster_that_is_not_there_is_told(study):
     with pytest.raises(cocarry.StudyError, match="no Ray cluster there"):
         cocarry.sweep(study / "study.toml", backend="ray", address="127.0.0.1:9")
+
+
+def test_a_custom_policy_in_the_small_set_of_the_benchmark(cluster, tmp_path):
+    class Cautious(cocarry.Policy):
+        """Workers do not have this module: the class is sent along."""
+
+        name, version = "cautious", "1"
+
+        def decide(self, view):
+            if view.mode == "human-led" or view.stubbornness > 0.5:
+                return None
+            return int(view.objective_cost_m.argmin())
+
+    subprocess.run([sys.executable, "-m", "cocarry", "bench", "bench-1"], cwd=tmp_path, check=True, capture_output=True)
+    study = tmp_path / "bench-1" / "small.toml"
+    cocarry.sweep(study, policy=Cautious, out=tmp_path / "alone.csv")
+    cocarry.sweep(study, policy=Cautious, out=tmp_path / "ray.csv", backend="ray", address=cluster.address)
+    assert (tmp_path / "ray.csv").read_bytes() == (tmp_path / "alone.csv").read_bytes()
+    card = cocarry.bench(tmp_path / "bench-1", tmp_path / "ray.csv")
+    assert list(card["policy"]) == ["cautious"]
+
+
+def test_a_policy_that_cannot_be_sent_is_refused(cluster, tmp_path):
+    lock = threading.Lock()
+    study = {"worlds": ["environment-1"], "plants": "point", "seeds": 1}
+    with pytest.raises(cocarry.StudyError, match="cannot be sent to workers"):
+        cocarry.sweep(study, policy=lambda view: lock.locked() or None, backend="ray", address=cluster.address)

@@ -6,14 +6,15 @@ use super::output::{
     warn,
 };
 use super::reproduce::Common;
+use super::settings::built_in_methods;
 use super::sweep::{self, print_summary};
 use anyhow::Context;
 use clap::{Args, Subcommand};
 use cocarry::suggestion::shell_word;
 use cocarry_studies::cluster::{
-    self, Array, ClusterError, Description, Job, Progress, ShardState, slurm, states,
+    self, Array, ClusterError, Description, Job, Progress, ShardState, slurm, states, with_methods,
 };
-use cocarry_studies::study::{Study, merge};
+use cocarry_studies::study::merge;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -36,6 +37,7 @@ pub(super) enum Action {
 #[command(after_help = examples(&[
     ("cocarry cluster slurm study.toml -o study.csv --shards 100", "a hundred tasks"),
     ("cocarry cluster slurm study.toml -o study.csv --sbatch \"--time=4:00:00 --partition=short\"", "with options of sbatch"),
+    ("cocarry cluster slurm bench-1/full.toml -o mutual.csv --method mutual --shards 30", "the benchmark with a method"),
     ("cocarry cluster slurm study.toml -o study.csv --no-submit", "only the files, to look at"),
 ]))]
 pub(super) struct SlurmArguments {
@@ -50,6 +52,9 @@ pub(super) struct SlurmArguments {
     /// Threads of a task, which are the CPUs it asks for
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=1024))]
     threads: u64,
+    /// Method in place of the study's `methods`; may be repeated, to run all with the same humans
+    #[arg(long, value_name = "WORD", value_parser = built_in_methods())]
+    method: Vec<String>,
     /// Largest number of seeds of every run in the study [default: all]
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     seeds: Option<u64>,
@@ -132,12 +137,13 @@ pub(super) fn run_cluster(action: &Action) -> Result<ExitCode, Failure> {
 }
 
 fn submit(arguments: &SlurmArguments) -> Result<ExitCode, Failure> {
-    let SlurmArguments { study: file, output: out, shards, threads, seeds, no_submit, overwrite, .. } =
-        arguments;
+    let SlurmArguments {
+        study: file, output: out, shards, threads, seeds, method, no_submit, overwrite, ..
+    } = arguments;
     let options: Vec<String> =
         arguments.sbatch.iter().flat_map(|text| text.split_whitespace()).map(str::to_owned).collect();
     slurm::check_options(&options).map_err(failure)?;
-    let study = Study::load(file, *seeds).map_err(|error| failure(error.into()))?;
+    let study = with_methods(file, *seeds, method).map_err(|error| failure(error.into()))?;
     study.world_warnings().iter().for_each(warn);
     study.slow_drives().iter().for_each(warn);
     if *overwrite {
@@ -150,7 +156,7 @@ fn submit(arguments: &SlurmArguments) -> Result<ExitCode, Failure> {
         slurm::check_available().map_err(failure)?;
     }
     let program = std::env::current_exe().context("the path of this program").map_err(Failure::Output)?;
-    let description = Description::of(&study, file, *seeds, *shards, options);
+    let description = Description::of(&study, file, *seeds, method.clone(), *shards, options);
     let script = |job: &Job| slurm::script(job, &program, *threads);
     let mut job = Job::create(out, description, script, *overwrite).map_err(failure)?;
     let shards: Vec<u64> = (1..=job.description().shards).collect();

@@ -111,8 +111,18 @@ fn argument(setting: &'static Setting, defaults: &Scenario) -> Arg {
 
 /// A parser of the name of a method or a custom policy.
 pub(super) fn methods() -> PossibleValuesParser {
+    named(method_words().chain(custom::list()))
+}
+
+/// A parser that accepts the methods of the program alone.
+pub(super) fn built_in_methods() -> PossibleValuesParser {
+    named(method_words())
+}
+
+/// The methods of the program, each with a sentence about it.
+fn method_words() -> impl Iterator<Item = (&'static str, &'static str)> {
     let methods = SETTINGS.iter().find(|setting| setting.key == METHOD).and_then(Setting::words);
-    named(methods.into_iter().flatten().chain(custom::list()))
+    methods.into_iter().flatten()
 }
 
 /// A parser that accepts one of several words.

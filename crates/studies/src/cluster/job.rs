@@ -2,7 +2,7 @@
 
 use super::ClusterError;
 use crate::parallel::OnDone;
-use crate::study::{Shard, Study, Sweep, SweepOutputs, check_name};
+use crate::study::{Partner, Partners, Shard, Study, Sweep, SweepError, SweepOutputs, check_name};
 use cocarry::arithmetic;
 use cocarry::bounds;
 use cocarry::located::{self, Source};
@@ -36,6 +36,9 @@ pub struct Description {
     /// The largest number of seeds, if limited.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seeds: Option<u64>,
+    /// The methods in place of the study's own; none: those of its file.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub methods: Vec<String>,
     /// The study's digest.
     pub digest: String,
     /// The stamp of the arithmetic of the machine that made the job.
@@ -185,8 +188,8 @@ impl Job {
     /// # Errors
     /// [`ClusterError`].
     pub fn study(&self) -> Result<Study, ClusterError> {
-        let Description { study: file, seeds, digest, .. } = &self.description;
-        let study = Study::load(file, *seeds)?;
+        let Description { study: file, seeds, methods, digest, .. } = &self.description;
+        let study = with_methods(file, *seeds, methods)?;
         match study.digest() == digest {
             true => Ok(study),
             false => {
@@ -306,11 +309,19 @@ impl Job {
 
 impl Description {
     /// The description of a job that has not been submitted, with at most as many shards as episodes.
-    pub fn of(study: &Study, file: &Path, seeds: Option<u64>, shards: u64, sbatch: Vec<String>) -> Self {
+    pub fn of(
+        study: &Study,
+        file: &Path,
+        seeds: Option<u64>,
+        methods: Vec<String>,
+        shards: u64,
+        sbatch: Vec<String>,
+    ) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             study: std::path::absolute(file).unwrap_or_else(|_| file.to_owned()),
             seeds,
+            methods,
             digest: study.digest().to_owned(),
             arithmetic: arithmetic::stamp().to_owned(),
             episodes: study.episodes(),
@@ -319,6 +330,15 @@ impl Description {
             arrays: Vec::new(),
         }
     }
+}
+
+/// The study of a file, with these methods of the program in place of its own, if there are any.
+///
+/// # Errors
+/// As [`Study::load`], or a method is not known.
+pub fn with_methods(file: &Path, seeds: Option<u64>, methods: &[String]) -> Result<Study, SweepError> {
+    let policies = methods.iter().cloned().map(Partner::BuiltIn).collect();
+    Study::load_with(file, seeds, Partners::new(policies, Vec::new())?)
 }
 
 /// The folder of the job for these results.

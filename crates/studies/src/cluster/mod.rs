@@ -14,5 +14,5 @@ mod status;
 
 pub use audit::{Difference, Sample, sample};
 pub use error::ClusterError;
-pub use job::{Array, Description, Job, Progress};
+pub use job::{Array, Description, Job, Progress, with_methods};
 pub use status::{ShardState, states};
