@@ -8,7 +8,7 @@ use cocarry::episode::prospects;
 use cocarry::options::OptionSet;
 use cocarry::preference::{ChoiceDistribution, Predictor};
 use cocarry::world::World;
-use cocarry_output::drawing::world_map;
+use cocarry_output::drawing::{Sheet, world_map};
 use std::path::Path;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -17,6 +17,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let options = OptionSet::new(&world, predictor.risk_weight())?;
     let mut choice = ChoiceDistribution::default();
     predictor.predict(&prospects(&options, &options.begin()), &mut choice);
-    println!("{}", world_map(&world, &options, choice.probabilities())?);
+    println!("{}", world_map(&world, &options, choice.probabilities(), Sheet::default())?);
     Ok(())
 }

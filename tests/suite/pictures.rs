@@ -189,3 +189,32 @@ fn the_picture_of_a_viewer_shows_the_recording_that_ships() {
         "the picture is of another recording: make it anew with viewer/test/lichtblick"
     );
 }
+
+/// Maps at the width of a column have type of at least 7 pt, too.
+#[test]
+fn maps_are_drawn_at_the_width_of_a_column() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("map.svg");
+    let name = file.to_str().unwrap();
+    for command in [
+        &["world", "free-form"][..],
+        &["world", "environment-2"],
+        &["run", "environment-3", "--plant", "point"],
+    ] {
+        let output = cocarry(&[command, &["--svg", name, "--width", "3.5in", "--overwrite"]].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        let svg = std::fs::read_to_string(&file).unwrap();
+        assert!(svg.contains(" width=\"3.500in\""), "{command:?}");
+        let number = |text: &str| -> f64 { text.split(['"', ' ']).next().unwrap().parse().unwrap() };
+        let layout = number(svg.split_once("viewBox=\"0 0 ").unwrap().1);
+        let sizes: Vec<f64> = svg.split("font-size=\"").skip(1).map(number).collect();
+        assert!(
+            sizes.len() > 10 && sizes.iter().all(|size| size * 252.0 / layout >= 7.0),
+            "{command:?} {layout} {sizes:?}"
+        );
+        let is_short = command[1] == "free-form";
+        assert_eq!(svg.contains("widths without room are left out"), is_short, "{command:?}");
+    }
+    let refused = cocarry(&["world", "free-form", "--width", "3.5in"]);
+    assert_eq!(refused.status.code(), Some(2));
+}

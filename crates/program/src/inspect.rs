@@ -7,7 +7,7 @@ use super::output::{
 use anyhow::{Context, anyhow};
 use clap::Args;
 use cocarry::geometry::Point;
-use cocarry_output::drawing::{self, Track};
+use cocarry_output::drawing::{self, Sheet, Track};
 use cocarry_output::output_file::Outputs;
 use cocarry_recording::recording::{Channel, Contents, ReadError, Reader, columns, decode, rows, scenario};
 use cocarry_studies::table::{plain, text_cell};
@@ -238,7 +238,7 @@ fn picture(file: &Path) -> Result<String, Failure> {
         track.stubbornness.clear();
     }
     track.positions.extend(arrived.then_some(world.target));
-    drawing::adaptation(&world, &[track], scenario.settings.planning_step)
+    drawing::adaptation(&world, &[track], scenario.settings.planning_step, Sheet::default())
         .context(name.clone())
         .map_err(Failure::Input)
 }

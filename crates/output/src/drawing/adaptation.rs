@@ -1,13 +1,13 @@
 //! The figure of mutual adaptation: (a) tracks of teams on the map, (b) the stubbornness of their humans.
 
+use super::Track;
 use super::kit::{
-    AXIS_ROOM, Clutter, GAP, INK, LEFT_ROOM, Legend, LineStyle, MARGIN, Shape, TITLE_ROOM, document,
-    frame_title, line_sample, mark, place, width_by_rank,
+    AXIS_ROOM, Clutter, GAP, INK, LEFT_ROOM, Legend, LineStyle, MARGIN, Shape, Sheet, TITLE_ROOM,
+    document_on, frame_title, line_sample, mark, place, width_by_rank,
 };
 use super::map_view::MapView;
 use super::opening_labels::{PATH_COST, clutter, opening_labels};
 use super::stubbornness::stubbornness;
-use super::{Track, WIDTH};
 use cocarry::Error;
 use cocarry::geometry::{Bounds, Point, Vector};
 use cocarry::world::World;
@@ -25,12 +25,12 @@ const TIME_ROOM: f64 = 62.0;
 ///
 /// # Errors
 /// A number of a track cannot be drawn, its transition is after its end, or the period is not positive.
-pub fn adaptation(world: &World, tracks: &[Track], period: f64) -> Result<String, Error> {
+pub fn adaptation(world: &World, tracks: &[Track], period: f64, sheet: Sheet) -> Result<String, Error> {
     if !(period.is_finite() && period > 0.0) {
         return Err(Error::new(format!("the period is {period} s; expected a positive number")));
     }
     tracks.iter().try_for_each(Track::check)?;
-    let (view, chart) = panels(world, tracks);
+    let (view, chart) = panels(world, tracks, sheet.width);
     let map = view.frame();
 
     let mut clutter = clutter(&view, world);
@@ -43,7 +43,7 @@ pub fn adaptation(world: &World, tracks: &[Track], period: f64) -> Result<String
             crosses = crosses.add(place(mark(Shape::Cross, true, &LineStyle::of(i).colour()), at));
         }
     }
-    let labels = opening_labels(&view, world, false, &mut clutter);
+    let labels = opening_labels(&view, world, false, &mut clutter).group;
     let mut legend = Legend::of_lines();
     for (i, track) in tracks.iter().enumerate() {
         legend =
@@ -53,8 +53,8 @@ pub fn adaptation(world: &World, tracks: &[Track], period: f64) -> Result<String
         legend = legend.entry(mark(Shape::Cross, true, INK), "human takes the lead");
     }
     let top = map.max.y.max(chart.max.y) + AXIS_ROOM;
-    let (legend, bottom) = legend.draw(Point::new(MARGIN, top), WIDTH - 2.0 * MARGIN);
-    let picture = document(bottom)
+    let (legend, bottom) = legend.draw(Point::new(MARGIN, top), sheet.width - 2.0 * MARGIN);
+    let picture = document_on(sheet, bottom)
         .add(frame_title(&format!("(a) {}", world.name), map.min.x, map))
         .add(frame_title("(b)", chart.min.x - LEFT_ROOM + MARGIN, chart))
         .add(view.obstacles(world))
@@ -70,11 +70,11 @@ pub fn adaptation(world: &World, tracks: &[Track], period: f64) -> Result<String
 }
 
 /// The map, and the frame of the chart (px).
-fn panels(world: &World, tracks: &[Track]) -> (MapView, Bounds) {
+fn panels(world: &World, tracks: &[Track], width: f64) -> (MapView, Bounds) {
     const BESIDE: Vector = Vector::new(300.0, 450.0);
     let points = || tracks.iter().flat_map(|t| t.positions.iter().copied());
     let fit = |least, most, top| MapView::fit(world, points(), Point::new(LEFT_ROOM, top), least, most);
-    let right = WIDTH - MARGIN;
+    let right = width - MARGIN;
     let size = fit(Vector::zeros(), BESIDE, 0.0).frame().size();
     if size.y >= size.x {
         let view = fit(Vector::new(200.0, 330.0), BESIDE, TIME_ROOM);
@@ -128,9 +128,9 @@ mod tests {
     fn the_figure_is_well_formed_deterministic_and_shows_every_track() {
         let tracks =
             [track("<&\""), track("b"), Track { positions: Vec::new(), transition: None, ..track("c") }];
-        let picture = checked(|| adaptation(&world(), &tracks, 0.1));
+        let picture = checked(|| adaptation(&world(), &tracks, 0.1, Sheet::default()));
         assert_eq!(picture.matches("data-track=").count(), 2);
-        checked(|| adaptation(&world(), &[], 0.1));
+        checked(|| adaptation(&world(), &[], 0.1, Sheet::default()));
     }
 
     #[test]
@@ -138,12 +138,12 @@ mod tests {
         let with = |change: fn(&mut Track)| {
             let mut track = track("t");
             change(&mut track);
-            adaptation(&world(), &[track], 0.1)
+            adaptation(&world(), &[track], 0.1, Sheet::default())
         };
         assert!(error(with(|t| t.positions[1].x = f64::NAN)).contains("its position at step 1 cannot"));
         assert!(error(with(|t| t.stubbornness[3] = f64::NAN)).contains("its stubbornness at step 3 cannot"));
         assert!(error(with(|t| t.transition = Some(4))).contains("its transition is at step 4, but"));
         assert!(with(|t| t.stubbornness[2] = f64::INFINITY).is_ok());
-        assert!(error(adaptation(&world(), &[], 0.0)).starts_with("the period is 0 s"));
+        assert!(error(adaptation(&world(), &[], 0.0, Sheet::default())).starts_with("the period is 0 s"));
     }
 }

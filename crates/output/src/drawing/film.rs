@@ -114,7 +114,7 @@ impl Film<'_> {
             outline.iter().for_each(|area| clutter.take(*area));
             numbers = numbers.add(self.instant_number(i + 1, &layout, moment, &mut clutter));
         }
-        let labels = opening_labels(&layout.view, self.world, false, &mut clutter);
+        let labels = opening_labels(&layout.view, self.world, false, &mut clutter).group;
         let marks = shown.iter().enumerate().map(|(i, &at)| (i + 1, &self.moments[at]));
         let chart = self.chart(layout.chart, &self.moments, marks.collect(), None);
         let (legend, bottom) =

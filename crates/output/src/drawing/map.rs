@@ -1,13 +1,13 @@
 //! The map of a world: obstacles, openings coloured by risk, options as paths, and a table of the options.
 
 use super::kit::{
-    AXIS_ROOM, Clutter, FAINT, FAINT_WIDTH, GAP, LEFT_ROOM, LineStyle, MARGIN, TITLE_ROOM, document,
-    frame_title, stroke, widths_by_probability,
+    AXIS_ROOM, Clutter, FAINT, FAINT_WIDTH, GAP, LEFT_ROOM, LineStyle, MARGIN, Sheet, TITLE_ROOM,
+    document_on, frame_title, stroke, widths_by_probability,
 };
 use super::map_view::MapView;
 use super::opening_labels::{PATH_COST, clutter, opening_labels};
 use super::option_table::{MIN_WIDTH, Route, option_table};
-use super::{WIDTH, check_probabilities, unequal};
+use super::{check_probabilities, unequal};
 use cocarry::Error;
 use cocarry::geometry::{Point, Vector};
 use cocarry::options::OptionSet;
@@ -29,33 +29,43 @@ const SAGITTA: f64 = 0.01;
 ///
 /// # Errors
 /// There is not a probability from 0 to 1 for every option.
-pub fn world_map(world: &World, options: &OptionSet, probabilities: &[f64]) -> Result<String, Error> {
+pub fn world_map(
+    world: &World,
+    options: &OptionSet,
+    probabilities: &[f64],
+    sheet: Sheet,
+) -> Result<String, Error> {
     let (listed, others) = routes(world, options, probabilities)?;
     let top = Point::new(LEFT_ROOM, TITLE_ROOM);
     let points = listed.iter().chain(&others).flat_map(|r| r.points.iter().copied());
-    let most = Vector::new(WIDTH - LEFT_ROOM - MARGIN, 700.0);
+    let most = Vector::new(sheet.width - LEFT_ROOM - MARGIN, 700.0);
     let view = MapView::fit(world, points, top, Vector::new(214.0, 210.0), most);
-    let free_width = WIDTH - view.frame().max.x - 2.0 * MARGIN;
+    let free_width = sheet.width - view.frame().max.x - 2.0 * MARGIN;
     let (view, at, width) = if free_width >= MIN_WIDTH {
         (view, Point::new(view.frame().max.x + MARGIN, top.y), free_width)
     } else {
         let spare = Vector::new((most.x - view.frame().size().x) / 2.0, 0.0);
         let below = Point::new(MARGIN, view.frame().max.y + AXIS_ROOM + MARGIN);
-        (view.moved_to(top + spare), below, WIDTH - 2.0 * MARGIN)
+        (view.moved_to(top + spare), below, sheet.width - 2.0 * MARGIN)
     };
     let frame = view.frame();
     let widths = widths_by_probability(listed.iter().map(|r| r.probability));
     let mut clutter = clutter(&view, world);
     let paths = paths(&view, &listed, &widths, &others, &mut clutter);
     let labels = opening_labels(&view, world, true, &mut clutter);
-    let (table, bottom) = option_table(at, width, &listed, &widths, &others, options.is_cut);
-    let picture = document(bottom.max(frame.max.y + AXIS_ROOM) + GAP)
+    let notes = [
+        options.is_cut.then_some("more options exist than were enumerated"),
+        (labels.without_width > 0).then_some("widths without room are left out; cocarry world lists them"),
+    ];
+    let notes: Vec<&str> = notes.into_iter().flatten().collect();
+    let (table, bottom) = option_table(at, width, &listed, &widths, &others, &notes);
+    let picture = document_on(sheet, bottom.max(frame.max.y + AXIS_ROOM) + GAP)
         .add(frame_title(&world.name, frame.min.x, frame))
         .add(view.obstacles(world))
         .add(paths)
         .add(view.openings(world, true))
         .add(view.ends(world))
-        .add(labels)
+        .add(labels.group)
         .add(view.axes())
         .add(table);
     Ok(picture.to_string())
@@ -168,7 +178,7 @@ between = ["a<&", "c"]
     fn a_map_is_well_formed_deterministic_and_shows_every_option() {
         let (world, options) = scene();
         let n = options.options().len();
-        let picture = checked(|| world_map(&world, &options, &vec![1.0 / n as f64; n]));
+        let picture = checked(|| world_map(&world, &options, &vec![1.0 / n as f64; n], Sheet::default()));
         assert_eq!(picture.matches("data-option=").count(), n);
         assert!(picture.contains("&lt;Two &amp; &quot;ways&quot;&gt;"), "{picture}");
     }
@@ -177,9 +187,9 @@ between = ["a<&", "c"]
     fn probabilities_are_checked() {
         let (world, options) = scene();
         let n = options.options().len();
-        let refused = error(world_map(&world, &options, &[]));
+        let refused = error(world_map(&world, &options, &[], Sheet::default()));
         assert_eq!(refused, format!("0 probabilities were given for {n} options"));
-        let refused = error(world_map(&world, &options, &vec![f64::NAN; n]));
+        let refused = error(world_map(&world, &options, &vec![f64::NAN; n], Sheet::default()));
         assert!(refused.contains("its probability is NaN"), "{refused}");
     }
 }

@@ -60,7 +60,7 @@ impl<'a> Film<'a> {
         // labels keep away from everywhere the team comes
         let walked: Vec<Point> = self.moments.iter().map(|m| view.px(m.object.position)).collect();
         clutter.add(&walked, 40.0, 3.0 * PATH_COST);
-        let labels = opening_labels(&view, self.world, true, &mut clutter);
+        let labels = opening_labels(&view, self.world, true, &mut clutter).group;
         let right = width - MARGIN;
         let (chart, whole, bottom) = if is_wide {
             let left = window.max.x + LEFT_ROOM;

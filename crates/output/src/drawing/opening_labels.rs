@@ -42,15 +42,23 @@ pub(super) fn clutter(view: &MapView, world: &World) -> Clutter {
     clutter
 }
 
+/// The labels of a map's openings.
+pub(super) struct OpeningLabels {
+    pub group: Group,
+    /// Number of openings whose width is left out, for want of space.
+    pub without_width: usize,
+}
+
 /// The labels of the openings: the name, and the width where `with_widths`. They are added to the clutter.
 pub(super) fn opening_labels(
     view: &MapView,
     world: &World,
     with_widths: bool,
     clutter: &mut Clutter,
-) -> Group {
+) -> OpeningLabels {
     let bars: Vec<[Point; 2]> = world.openings.iter().map(|o| o.ends.map(|p| view.px(p))).collect();
     let mut group = Group::new().set("class", "names");
+    let mut without_width = 0;
     for (i, opening) in world.openings.iter().enumerate() {
         let mut lines = vec![Text::opening(&opening.name).within(NAME_WIDTH, TEXT_SIZE)];
         let (mut area, cost) = best_place(&lines, i, &bars, clutter);
@@ -60,6 +68,8 @@ pub(super) fn opening_labels(
             // in a crowded place, only the name is shown
             if found.1 < CROWDED_COST || found.1 < cost + MIN_SAVING {
                 (lines, area) = (full, found.0);
+            } else {
+                without_width += 1;
             }
         }
         let touch = nearest_on(bars[i], area);
@@ -79,7 +89,7 @@ pub(super) fn opening_labels(
         }
         clutter.take(area);
     }
-    group
+    OpeningLabels { group, without_width }
 }
 
 /// The best position (px) for the lines of the opening `own`, and its cost.

@@ -26,14 +26,14 @@ pub(super) const MIN_WIDTH: f64 = 396.0;
 const NAMES_WIDTH: [f64; 2] = [96.0, 140.0];
 
 /// The block with its upper left corner at `at`, at most `width` px wide, and the y at which it ends.
-/// `others` are not listed; `is_cut` says that more options exist than were enumerated.
+/// `others` are not listed; `notes` are below.
 pub(super) fn option_table(
     at: Point,
     width: f64,
     listed: &[Route],
     widths: &[f64],
     others: &[Route],
-    is_cut: bool,
+    notes: &[&str],
 ) -> (Group, f64) {
     let bare = table(listed, widths, others, |_| Vec::new());
     let room = width - bare.width() + Text::new("openings").width(TEXT_SIZE);
@@ -41,9 +41,9 @@ pub(super) fn option_table(
     let (risks, bottom) = risk_bar(at, table.width().clamp(MIN_WIDTH, width.max(MIN_WIDTH)));
     let (table, mut bottom) = table.draw(Point::new(at.x, bottom), width);
     let mut group = Group::new().add(risks).add(table);
-    if is_cut {
-        bottom += TEXT_SIZE;
-        let note = Text::new("more options exist than were enumerated");
+    for note in notes {
+        bottom += 1.2 * TEXT_SIZE;
+        let note = Text::new(*note);
         group = group.add(note.at(Point::new(at.x, bottom), TEXT_SIZE, Align::Left));
     }
     (group, bottom)

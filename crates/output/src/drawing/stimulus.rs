@@ -76,7 +76,7 @@ impl<'a> Stimulus<'a> {
             }
         }
         if shown.openings {
-            names = names.add(opening_labels(&view, world, false, &mut clutter));
+            names = names.add(opening_labels(&view, world, false, &mut clutter).group);
         }
         let names = names.add(view.ends(world)).add(scale_bar(&view, size));
         Self { world, view, size, ground, names }

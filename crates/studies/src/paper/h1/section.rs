@@ -8,7 +8,7 @@ use cocarry::Error;
 use cocarry::episode::prospects;
 use cocarry::options::OptionSet;
 use cocarry::preference::{ChoiceDistribution, Predictor, Regions, perceived_distance, perceived_risk};
-use cocarry_output::drawing::{Curve, CurvePanel, RegionPanel, curves, preference_regions, world_map};
+use cocarry_output::drawing::{Curve, CurvePanel, RegionPanel, Sheet, curves, preference_regions, world_map};
 
 /// Table I.
 pub(crate) const PART: Part = Part { id: "h1", name: "Table I", episodes: none, studies: none, run };
@@ -97,7 +97,7 @@ fn run(plan: &Plan, _: crate::parallel::OnDone) -> Result<Section, Error> {
                 environment.number
             ),
             is_half: true,
-            svg: world_map(&world, &set, choice.probabilities())?,
+            svg: world_map(&world, &set, choice.probabilities(), Sheet::default())?,
         }));
     }
     Ok(Section { title: "H1: how humans choose".to_owned(), finding: finding(&rows, &fits), blocks })

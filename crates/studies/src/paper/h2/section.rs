@@ -103,7 +103,7 @@ pub fn example_table(runs: &[ExampleRun]) -> Table {
 /// If the period is not a positive time.
 pub fn example_picture(world: &World, runs: &[ExampleRun], period: f64) -> Result<String, Error> {
     let tracks = runs.iter().map(|run| Track::new(label(run), &run.ticks, Some(world.target)));
-    adaptation(world, &tracks.collect::<Vec<_>>(), period)
+    adaptation(world, &tracks.collect::<Vec<_>>(), period, Sheet::default())
 }
 
 fn label(run: &ExampleRun) -> String {
