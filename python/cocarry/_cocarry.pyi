@@ -46,6 +46,9 @@ class StudyError(Error):
 class ClosedError(Error):
     """An object that is closed, in use, or of another process."""
 
+class UnknownKeyError(Error, KeyError):
+    """A column or a quantity that there is not; a KeyError, too."""
+
 @final
 class World:
     """A world: obstacles, openings, start and target. Shows itself as its map in a notebook.
@@ -96,8 +99,9 @@ class World:
 class Robot:
     """A mobile manipulator: a wheeled base with an arm.
 
-    Reads a robot file (TOML) with its URDF, or takes the built-in robot. A xacro is refused, unless ``xacro`` is
-    set: then the program ``xacro`` expands it, which runs code that is in the file. Raises RobotError."""
+    Reads a robot file (TOML) with its URDF, or takes a built-in robot: carrier (the default), omni-carrier, porter or
+    shuttle. A xacro is refused, unless ``xacro`` is set: then the program ``xacro`` expands it, which runs code that is
+    in the file. Raises RobotError."""
 
     def __new__(cls, file: _Path | None = None, *, xacro: bool = False) -> Self:
         ...
@@ -136,7 +140,7 @@ class Scenario:
         seed.
     belief_alpha, belief_gamma: the robot's belief: uniform(LOWER,UPPER) or normal(MEAN,STD,LOWER,UPPER).
     belief_samples: the belief as samples, (n, 2) alpha and gamma, or (n, 3) with weights.
-    robot: a robot file or a Robot. settings: see cocarry.settings().
+    robot: a robot file, a built-in robot or a Robot. settings: see cocarry.settings().
 
     Raises ScenarioError with the key, the value and the values allowed; WorldError; RobotError."""
 
@@ -276,7 +280,8 @@ class Episode:
         """Records the steps into an MCAP file, from before the first step until the end or ``close``; returns
         itself.
 
-        Raises RecordingError: the file exists or cannot be written, or the episode has begun."""
+        Raises RecordingError: the file exists, cannot be written or has another extension than ``.mcap``, or the
+        episode has begun."""
     def recording(self) -> bytes:
         """The recording of the episode so far (MCAP). Runs it again from its start, with copies of custom
         partners."""
@@ -454,7 +459,7 @@ class Preference:
 class Table:
     """A table of rows. Opens without copies wherever Arrow data do: ``polars.DataFrame(table)``,
     ``pyarrow.table(table)``, ``pandas.DataFrame.from_arrow(table)`` (pandas 3). Shows its first rows in a
-    notebook."""
+    notebook, and as ``print(table)``."""
 
     @property
     def columns(self) -> list[str]:
@@ -637,17 +642,27 @@ def summary(results: Sequence[Any]) -> tuple[Table, list[str]]:
 def bench(folder: _Path, results: Sequence[Any], worlds: bool) -> tuple[Table, list[str]]:
     """The score card of results of the benchmark in a folder, or its results world by world, and notes on them."""
 
-def plot(results: Sequence[Any], kind: str, quantity: str, by: str | None, cells: int) -> tuple[str, list[str]]:
-    """A picture of results, as SVG, and notes on them."""
+def plot(
+    results: Sequence[Any],
+    kind: str,
+    quantity: str,
+    by: str | None,
+    cells: int,
+    width: str | None,
+    file: _Path,
+) -> tuple[bytes, list[str]]:
+    """The bytes of a picture of results, in the format of a file of that name, and notes on them."""
 
 def arithmetic_stamp() -> str:
     """The stamp of this machine's arithmetic: a digest of a fixed list of results."""
 
 @final
 class Rows:
-    """The results of a study whose episodes run elsewhere: a file that grows in the order of episodes.
+    """The results of a study whose episodes run elsewhere: a file that grows in the order of episodes. A file that
+    has all of them already is complete, unless ``overwrite``.
 
-    Raises StudyError, also if the file exists already, belongs to another study, or is written by another process."""
+    Raises StudyError, also if the file is that of another study, is no CSV file of results, or is written by another
+    process."""
 
     def __new__(
         cls,

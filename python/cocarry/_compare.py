@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import os
 import pathlib
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Literal, TypeVar
 
 from cocarry import _arguments, _cocarry
@@ -19,25 +20,42 @@ _Found = TypeVar("_Found")
 class Picture:
     """A picture, which a notebook shows."""
 
-    def __init__(self, svg: str) -> None:
+    def __init__(self, svg: str, drawn: Callable[[str], bytes] | None = None) -> None:
         #: The picture as SVG.
         self.svg = svg
+        self._drawn = drawn
 
     def save(self, file: _Path, *, overwrite: bool = False) -> pathlib.Path:
-        """Writes the picture into an SVG file, and returns its path. Raises StudyError if the file exists already,
-        unless ``overwrite``, or if its name does not end in ``.svg``."""
+        """Writes the picture into a file, and returns its path. The extension selects the format: ``.svg``, ``.pdf`` or
+        ``.png``. The last two have their letters as outlines, and are drawn from the results again, 7 inches wide unless
+        ``plot`` was given a width; a PNG has 300 pixels an inch.
+
+        Raises StudyError if the file exists already, unless ``overwrite``, or if its name has another extension."""
         path = pathlib.Path(_arguments.file("file", file, StudyError))
         _arguments.flag("overwrite", overwrite, StudyError)
-        if path.suffix.lower() != ".svg":
-            raise StudyError(f"{path}: expected the extension .svg")
+        formats = (".svg", ".pdf", ".png")
+        if path.suffix.lower() not in formats:
+            raise StudyError(f"{path}: expected one of the extensions {', '.join(formats)}")
+        # before it is drawn
+        if path.exists() and not overwrite:
+            raise StudyError(f"{path}: exists already; overwrite=True replaces it")
+        contents = self._contents(path)
         try:
-            with path.open("w" if overwrite else "x", encoding="utf-8", newline="\n") as opened:
-                opened.write(self.svg)
+            with path.open("wb" if overwrite else "xb") as opened:
+                opened.write(contents)
         except FileExistsError:
             raise StudyError(f"{path}: exists already; overwrite=True replaces it") from None
         except OSError as error:
             raise StudyError(f"{path}: cannot be written: {error}") from error
         return path
+
+    def _contents(self, path: pathlib.Path) -> bytes:
+        """The bytes of the file."""
+        if path.suffix.lower() == ".svg":
+            return self.svg.encode()
+        if self._drawn is None:
+            raise StudyError(f"{path}: a picture that was not made by plot has the extension .svg only")
+        return self._drawn(path.name)
 
     def _repr_svg_(self) -> str:
         return self.svg
@@ -110,21 +128,33 @@ def plot(
     quantity: str = "accumulated_objective_cost_m",
     by: str | None = None,
     cells: int = 12,
+    width: str | None = None,
 ) -> Picture:
     """Draws results, which are given as to ``compare``, as ``cocarry plot`` does.
 
     kind: ``"means"`` with 95 % intervals; ``"differences"`` between what is compared ``by`` an input, paired by seed;
         ``"map"``: means over the humans' alpha and gamma, each in ``cells`` intervals.
     quantity: the column that is drawn.
+    width: of the picture, in inches or pixels: ``"3.5in"``, ``"1200px"``. Type is at least 7 pt from 3.5 inches on. By
+        default an SVG has 720 pixels, and a PDF or PNG that is saved 7 inches.
 
-    Raises StudyError.
+    ``plot(...).save("means.pdf")`` writes it as SVG, PDF or PNG. Raises StudyError.
     """
     _arguments.word("kind", kind, "one of: means, differences, map", StudyError)
     _arguments.word("quantity", quantity, "a column", StudyError)
     if by is not None:
         _arguments.word("by", by, "the name of an input, or None", StudyError)
-    svg, notes = _cocarry.plot(_given(results), kind, quantity, by, _arguments.whole("cells", cells, 2, 60, StudyError))
-    return _noted(Picture(svg), notes)
+    if width is not None:
+        _arguments.word("width", width, 'a text, inches or pixels, as in "3.5in" or "1200px"', StudyError)
+    count = _arguments.whole("cells", cells, 2, 60, StudyError)
+    arguments = (_given(results), kind, quantity, by, count, width)
+    svg, notes = _cocarry.plot(*arguments, "picture.svg")
+    return _noted(Picture(svg.decode(), functools.partial(_drawn, arguments)), notes)
+
+
+def _drawn(arguments: tuple[list[Any], str, str, str | None, int, str | None], file: str) -> bytes:
+    """The bytes of a picture in the format of the file's extension; its notes were told before."""
+    return _cocarry.plot(*arguments, file)[0]
 
 
 def _noted(found: _Found, notes: list[str]) -> _Found:

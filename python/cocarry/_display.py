@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import math
+import textwrap
 from collections.abc import Sequence
 from typing import Any
 
@@ -14,7 +15,10 @@ from cocarry import _cocarry
 from cocarry._cocarry import Table
 
 _ROWS = 20
-"""Rows shown in a notebook."""
+"""Rows shown in a notebook, and of a short table in a terminal."""
+
+_FIRST, _WIDTH, _WIDEST = 5, 80, 40
+"""In a terminal: rows shown of a long table, characters of a line, and of a cell."""
 
 _PROVENANCE = ("episode", "episodes", "study", "arithmetic", "checksum", "policy_code", "human_code")
 _INPUTS = ("world", "plant", "method", "human_model")
@@ -100,6 +104,92 @@ def _cell(value: Any) -> str:
     # six digits tell rows apart, two a p-value; all of them are in the column
     small, large = 0 < abs(number) < 1e-4, 1e5 <= abs(number) < 1e15
     return f"{number:.1e}" if small else f"{number:.0f}" if large else f"{number:.6g}"
+
+
+def rows(table: Table) -> str:
+    """Lines for a terminal: of a comparison, its figures; of other tables, rows, columns, and the first of both."""
+    if len(table) <= _ROWS and {*_COMPARED} <= {*table.columns}:
+        return "\n".join(_comparison(table))
+    shown = _Shown(table)
+    count = shown.rows if shown.rows <= _ROWS else _FIRST
+    columns = [
+        _Column(name, [_cell(value) for value in shown.columns[name][:count]], shown.columns[name].dtype.kind == "O")
+        for name in (shown.names if count else [])
+    ]
+    while columns and _widths(columns, _WIDEST) is None:
+        columns.pop()
+    lines = [*textwrap.wrap(text(table), _WIDTH, break_on_hyphens=False), *_lines(columns, _WIDEST)]
+    if count and (count < shown.rows or len(columns) < len(table.columns)):
+        lines.append(f"{count} of {shown.rows} rows, {len(columns)} of {len(table.columns)} columns; table.columns lists all")
+    return "\n".join(lines)
+
+
+_COMPARED = ("quantity", "first", "second", "pairs", "difference", "difference_low", "difference_high", "p_holm")
+"""The columns of a comparison that are shown in a terminal, after the inputs that both have."""
+
+
+class _Column:
+    """A column of a terminal: texts can be cut, and are at the left."""
+
+    def __init__(self, head: str, cells: list[str], is_text: bool) -> None:
+        # a line break or a control character of a name is none of the terminal's
+        self.cells = ["".join(c if c.isprintable() else "?" for c in cell) for cell in (head, *cells)]
+        self.is_text = is_text
+
+    def line(self, row: int, width: int) -> str:
+        cell = self.cells[row]
+        cell = cell if len(cell) <= width else cell[: width - 1] + "…"
+        return cell.ljust(width) if self.is_text else cell.rjust(width)
+
+
+def _widths(columns: Sequence[_Column], least: int) -> list[int] | None:
+    """The widths of columns on a line, where texts longer than ``least`` may be cut to that; None if there is no room."""
+    widths = [min(_WIDEST, max(map(len, column.cells))) for column in columns]
+    while sum(widths) + 2 * (len(widths) - 1) > _WIDTH:
+        width, i = max(((width, i) for i, width in enumerate(widths) if columns[i].is_text), default=(0, 0))
+        if width <= least:
+            return None
+        widths[i] -= 1
+    return widths
+
+
+def _lines(columns: Sequence[_Column], least: int) -> list[str]:
+    widths = _widths(columns, least) or [_WIDEST] * len(columns)
+    count = len(columns[0].cells) if columns else 0
+    return ["  ".join(column.line(row, width) for column, width in zip(columns, widths)).rstrip() for row in range(count)]
+
+
+def _comparison(table: Table) -> list[str]:
+    """A few figures of every row, under the names of the quantities."""
+    found = {name: table[name] for name in table.columns}
+    inputs = [name for name in table.columns[: table.columns.index("quantity")] if name not in _PROVENANCE]
+    lines = []
+    for quantity in dict.fromkeys(found["quantity"]):
+        of_it = [row for row, name in enumerate(found["quantity"]) if name == quantity]
+        names = [f"{found['first'][row]} - {found['second'][row]}" for row in of_it]
+        ends = [[_short(found[name][row]) for name in ("difference_low", "difference_high")] for row in of_it]
+        # names that are those of all rows are told once
+        is_one = len(set(names)) == 1
+        same = [] if is_one else [_Column("first - second", names, True)]
+        same += [_Column(name, [_cell(found[name][row]) for row in of_it], found[name].dtype.kind == "O") for name in inputs]
+        figures = [
+            _Column("n", [str(int(found["pairs"][row])) for row in of_it], False),
+            _Column("difference", [_short(found["difference"][row]) for row in of_it], False),
+            _Column("95 % interval", ["-" if "-" in pair else " to ".join(pair) for pair in ends], False),
+            _Column("p (Holm)", [_short(found["p_holm"][row], 2) for row in of_it], False),
+        ]
+        while len(same) > 1 and _widths([*same, *figures], 12) is None:
+            same.pop()
+        head = _Column(f"{quantity}: {names[0]}" if is_one else str(quantity), [], True)
+        lines += [head.line(0, _WIDTH).rstrip(), *_lines([*same, *figures], 12), ""]
+    return [*lines, f"{len(table)} rows; {len(table.columns)} columns, table.columns lists all"]
+
+
+def _short(number: float, digits: int = 4) -> str:
+    """A number with a few digits, or a dash where it is missing."""
+    if math.isnan(number):
+        return "-"
+    return f"{number:.0f}" if 1e4 <= abs(number) < 1e9 else f"{number:.{digits}g}"
 
 
 def page(table: Table) -> str:

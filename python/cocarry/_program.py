@@ -38,14 +38,21 @@ def _flags(options: dict[str, Any]) -> list[str]:
     return flags
 
 
+#: The claims of ``cocarry reproduce`` whose results are JSON.
+_CLAIMS = ("h1", "h2", "h3", "guide", "h4", "contacts", "slots", "cycles", "starts", "all")
+
+
 def reproduce(claim: str, **options: Any) -> dict[str, Any]:
     """Reproduces a claim of the paper: ``h1`` (Table I), ``h2`` (II), ``h3`` (III), ``cycles``, or a study that is not in the
-    paper: ``guide``, ``h4``, ``contacts``, ``slots`` or ``starts``.
+    paper: ``guide``, ``h4``, ``contacts``, ``slots`` or ``starts``. ``all`` writes a report with all of them into the folder
+    ``output``.
 
     Options are those of ``cocarry reproduce CLAIM --help``, with underscores: ``reproduce("h2", seed=1)``.
     Returns what ``--json`` prints. Raises Error with the program's message.
     """
-    _arguments.word("claim", claim, "the name of a claim, as h1", Error)
+    expected = f"one of {', '.join(_CLAIMS)}"
+    if _arguments.word("claim", claim, expected, Error) not in _CLAIMS:
+        raise Error(f"claim = {claim!r}; it must be {expected}")
     return _run("reproduce", claim, *_flags(options))
 
 

@@ -76,19 +76,20 @@ def sweep(
     processes: run in this many processes instead, each with one thread; for custom partners, which hold Python's lock.
         They and the partners must be importable there (spawn).
     policy, human: in place of the study's methods and human models: a custom one, as of Episode; the name of a built-in
-        one, or of one that a package registers; or a list of them, or a mapping with their names. All are run with the
-        same seeds. Every episode has copies of the custom ones. Their names are in the columns ``method`` and
+        one, or of one that a package registers; or a list of them, or a mapping with their names, in which a built-in one
+        keeps its own: ``{"mine": mine, "mutual": "mutual"}``. All are run with the same seeds. Every episode has copies of the custom ones. Their names are in the columns ``method`` and
         ``human_model``, and what is known of their code, a version and a digest, in ``policy_code`` and ``human_code``.
         The name is the attribute ``name``, or that of the function or class; the version is the attribute ``version``.
     out: write the rows into this file too, as ``cocarry sweep --output``: Parquet if its name ends in ``.parquet``, else
         CSV. A sweep that was stopped, by Ctrl-C or a power cut, resumes where it stopped, if neither the study nor the
-        code of custom partners has changed.
+        code of custom partners has changed. A CSV file that has all rows of this study already is not run again.
     ticks: write every tick of every episode into this new folder, as ``cocarry sweep --ticks``: Parquet files of 100
         episodes each. Needs out.
     overwrite: replace existing outputs, and unfinished ones of another study.
     backend: "ray" runs blocks of episodes on a Ray cluster instead, and writes their rows here. Workers that die are
-        replaced; a sweep that was stopped resumes. The rows are those of this machine, byte for byte. Not with custom
-        partners. The study's files that are next to it or below are sent along.
+        replaced; a sweep that was stopped resumes. The rows are those of this machine, byte for byte. The study's files
+        that are next to it or below are sent along, and custom partners as Ray pickles them: those of an installed
+        package must be installed there, too.
     address: of the Ray cluster, as of ``ray.init``; by default RAY_ADDRESS, or a cluster of this machine alone.
     progress: True for a bar, or a callable of the episodes done and all.
     table: False returns None instead of the rows, for studies whose rows do not fit into memory: a million take 1 GB.
@@ -111,13 +112,14 @@ def sweep(
     if backend is not None:
         if not isinstance(backend, str) or backend != "ray":
             raise StudyError(f'backend = {backend!r}; it must be "ray" or None')
-        if any(given is not None for given in (shard, threads, processes, policy, human, ticks)):
-            raise StudyError('backend = "ray": without shard, threads, processes, ticks and custom partners')
-        return _ray.sweep(text, file, folder, seeds, out, overwrite, address, progress, table)
-    if address is not None:
+        if any(given is not None for given in (shard, threads, processes, ticks)):
+            raise StudyError('backend = "ray": without shard, threads, processes and ticks')
+    elif address is not None:
         raise StudyError('address = the address of a Ray cluster: needs backend = "ray"')
-    tell = _bar if progress is True else progress or None
     partners: dict[str, Any] = {"policies": _partners("policy", policy), "humans": _partners("human", human)}
+    if backend is not None:
+        return _ray.sweep(text, file, folder, seeds, partners, out, overwrite, address, progress, table)
+    tell = _bar if progress is True else progress or None
     if processes is None:
         return _cocarry.sweep(
             text, file=file, folder=folder, seeds=seeds, shard=shard, threads=threads, **partners,
@@ -177,15 +179,28 @@ def _partners(what: str, given: Any) -> list[Partner]:
     if given is None:
         return []
     if isinstance(given, Mapping):
-        wrong = [name for name, one in given.items() if not isinstance(name, str) or isinstance(one, str)]
-        if wrong or not given:
-            raise StudyError(f"{what} = a mapping: it must have names and custom ones, and {wrong or 'it is empty'}")
-        return [_custom(what, one, name) for name, one in given.items()]
+        return _named(what, given)
     if not isinstance(given, (list, tuple)):
         return [_partner(what, given)]
     if not given:
         raise StudyError(f"{what} = an empty list; it must have at least one, or be None for those of the study")
     return [_partner(what, one) for one in given]
+
+
+def _named(what: str, given: Mapping[Any, Any]) -> list[Partner]:
+    """The policies or humans of a mapping, by their names."""
+    if not given:
+        raise StudyError(f"{what} = an empty mapping; it must have at least one, or be None for those of the study")
+    found = []
+    for name, one in given.items():
+        _arguments.word(f"a name in {what}", name, "a text", StudyError)
+        if isinstance(one, str) and one != name:
+            raise StudyError(
+                f"{what} = a mapping: {name!r} is {one!r}; it must be a custom one, since one that is given by its name keeps "
+                f"that: {{{one!r}: {one!r}}}"
+            )
+        found.append(_partner(what, one) if isinstance(one, str) else _custom(what, one, name))
+    return found
 
 
 def _partner(what: str, given: Any) -> Partner:

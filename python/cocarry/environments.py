@@ -59,6 +59,10 @@ def _scenarios(worlds: Any, plant: Literal["point", "kinematic", "rapier"], sett
         given = list(worlds)
     except TypeError:
         raise Error(f"worlds = {worlds!r}; it must be a world or a list of worlds: names, files or cocarry.World") from None
+    if "world" in settings:
+        raise Error(f"world = {settings['world']!r}: unknown keyword `world`; did you mean `worlds`?")
+    if "plant" in settings:
+        raise Error(f'plant = {settings["plant"]!r}: this environment is of the planning level, plant="point"; cocarry/Carry-v1 has the others')
     return [Scenario(world, plant=plant, **settings) for world in given]
 
 

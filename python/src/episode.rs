@@ -1,7 +1,9 @@
 //! Episodes.
 
 use crate::arguments;
-use crate::error::{ClosedError, Error, RecordingError, ScenarioError, SnapshotError, guarded, raise};
+use crate::error::{
+    ClosedError, Error, RecordingError, ScenarioError, SnapshotError, guarded, no_such_key, raise,
+};
 use crate::partners::{Fault, Held, Own};
 use crate::recording::{framed, page};
 use crate::scenario::Scenario;
@@ -10,9 +12,10 @@ use crate::value;
 use cocarry::episode::{self, Outcome};
 use cocarry::quantities::{EPISODE, LEARNED, Record, TICK, View};
 use cocarry::scenario::{Partners, PreparedScenario, Snapshot};
+use cocarry::suggestion;
 use cocarry_recording::recording::{self, Ending, FileRecorder, Recorder};
 use numpy::PyArray1;
-use pyo3::exceptions::{PyKeyError, PyStopIteration};
+use pyo3::exceptions::PyStopIteration;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use pyo3::{PyTraverseError, PyVisit};
@@ -351,11 +354,16 @@ impl Episode {
     }
 
     /// One quantity of the last step.
-    fn __getitem__<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
+    fn __getitem__<'py>(&self, py: Python<'py>, key: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let Ok(key) = key.extract::<String>() else {
+            let message = "it must be the name of a quantity, see cocarry.quantities(\"tick\")";
+            return Err(no_such_key(py, format!("quantity = {}; {message}", value::repr(key))));
+        };
         let Some(quantity) = TICK.into_iter().flatten().find(|quantity| quantity.key == key) else {
-            let known =
-                TICK.into_iter().flatten().map(|quantity| quantity.key).collect::<Vec<_>>().join(", ");
-            return Err(PyKeyError::new_err(format!("unknown quantity `{key}`; expected one of: {known}")));
+            let known: Vec<&str> = TICK.into_iter().flatten().map(|quantity| quantity.key).collect();
+            let (listed, hint) = (known.join(", "), suggestion::hint(&key, known));
+            let message = format!("unknown quantity `{key}`; expected one of: {listed}{hint}");
+            return Err(no_such_key(py, message));
         };
         value::to_python(py, &self.read(py, quantity.get)?)
     }
@@ -417,7 +425,8 @@ impl Episode {
     /// Records the steps into an MCAP file, from before the first step until the end or ``close``; returns
     /// itself.
     ///
-    /// Raises RecordingError: the file exists or cannot be written, or the episode has begun.
+    /// Raises RecordingError: the file exists, cannot be written or has another extension than ``.mcap``, or the
+    /// episode has begun.
     #[pyo3(signature = (file, *, overwrite = false))]
     fn record(
         slf: Py<Self>,
@@ -425,6 +434,9 @@ impl Episode {
         #[pyo3(from_py_with = arguments::file)] file: PathBuf,
         #[pyo3(from_py_with = arguments::overwrite)] overwrite: bool,
     ) -> PyResult<Py<Self>> {
+        if !file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mcap")) {
+            return Err(RecordingError::new_err(format!("{}: expected the extension .mcap", file.display())));
+        }
         let log = slf.get().own.log(py, &slf.get().fault);
         let begun = slf.get().with(py, |prepared, running| {
             if running.episode.summary().steps > 0 || running.recorder.is_some() {

@@ -2,8 +2,10 @@
 
 pub use cocarry::error::words;
 use pyo3::create_exception;
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyDict, PyType};
 use std::error::Error as StdError;
 
 create_exception!(
@@ -27,7 +29,38 @@ pub fn raise<E>(error: &dyn StdError) -> PyErr
 where
     E: pyo3::PyTypeInfo,
 {
-    PyErr::new::<E, _>(words(error))
+    PyErr::new::<E, _>(in_python(&words(error)))
+}
+
+/// A message of the program with the keyword in place of the flag.
+fn in_python(message: &str) -> String {
+    // with the words around it: the message may name files
+    message
+        .replace("or give --overwrite", "or give overwrite=True")
+        .replace("; --overwrite starts again", "; overwrite=True starts again")
+}
+
+/// The exception of an unknown column or quantity: an `Error` that is a `KeyError` too.
+fn unknown_key(py: Python<'_>) -> PyResult<&'static Py<PyType>> {
+    static KIND: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+    KIND.get_or_try_init(py, || {
+        let about = PyDict::new(py);
+        about.set_item("__module__", "cocarry")?;
+        about.set_item("__doc__", "A column or a quantity that there is not; a KeyError, too.")?;
+        // that of KeyError has quotes around it
+        about.set_item("__str__", py.get_type::<PyValueError>().getattr("__str__")?)?;
+        let bases = (py.get_type::<Error>(), py.get_type::<PyKeyError>());
+        let made = py.get_type::<PyType>().call1(("UnknownKeyError", bases, about))?;
+        Ok(made.cast_into::<PyType>()?.unbind())
+    })
+}
+
+/// The exception of an unknown column or quantity.
+pub fn no_such_key(py: Python<'_>, message: String) -> PyErr {
+    match unknown_key(py) {
+        Ok(kind) => PyErr::from_type(kind.bind(py).clone(), (message,)),
+        Err(error) => error,
+    }
 }
 
 /// Runs `act`. A panic in it becomes an exception: the physics engine panics on a state that is not consistent.
@@ -52,5 +85,5 @@ pub fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     ] {
         module.add(name, exception)?;
     }
-    Ok(())
+    module.add("UnknownKeyError", unknown_key(py)?)
 }

@@ -2,11 +2,14 @@
 
 use crate::error::{StudyError, raise};
 use crate::table::Table;
-use cocarry_output::drawing::Sheet;
+use cocarry::quantities::{EPISODE, Kind};
+use cocarry::suggestion;
+use cocarry_recording::rendering::{PictureFormat, Width};
 use cocarry_studies::study::bench::ScoreCard;
-use cocarry_studies::study::{Comparing, Drawn, Results, Summary, SweepError, columns, line_of};
+use cocarry_studies::study::{Comparing, Drawn, OUTCOMES, Results, Summary, SweepError, columns, line_of};
 use pyo3::prelude::*;
-use std::path::PathBuf;
+use pyo3::types::PyBytes;
+use std::path::{Path, PathBuf};
 
 /// Results as Python gives them: a file, a table, or names and cells of a data frame, column by column.
 #[derive(FromPyObject)]
@@ -116,29 +119,63 @@ pub fn bench(
     Ok((Table::of_report(&table), Vec::new()))
 }
 
-/// A picture of results, as SVG, and notes on them.
-#[pyfunction]
-pub fn plot(
-    py: Python<'_>,
-    results: Vec<GivenResults<'_>>,
-    kind: &str,
-    quantity: &str,
-    by: Option<&str>,
-    cells: usize,
-) -> PyResult<(String, Vec<String>)> {
-    let drawn = match kind {
-        "means" => Drawn::Means,
-        "differences" => Drawn::Differences(comparing(by, &[], &[quantity.to_owned()])?),
-        "map" if (2..=60).contains(&cells) => Drawn::Map(cells),
-        "map" => return Err(StudyError::new_err(format!("cells = {cells}; it must be from 2 to 60"))),
+/// The check of the kind of a picture, and that it has the quantity.
+fn check_drawn(kind: &str, quantity: &str) -> PyResult<()> {
+    let numbers = EPISODE.iter().filter(|quantity| matches!(quantity.kind, Kind::Number(_) | Kind::Count));
+    let known: Vec<&str> = match kind {
+        "means" | "map" => OUTCOMES.to_vec(),
+        "differences" => numbers.map(|quantity| quantity.key).collect(),
         other => {
             return Err(StudyError::new_err(format!(
                 "kind = {other:?}; it must be one of: means, differences, map"
             )));
         }
     };
+    if known.contains(&quantity) {
+        return Ok(());
+    }
+    let (listed, hint) = (known.join(", "), suggestion::hint(quantity, known));
+    Err(StudyError::new_err(format!("quantity = {quantity:?}; it must be one of: {listed}{hint}")))
+}
+
+/// The check of the name of a picture's file; returns its format.
+fn format_of(file: &Path) -> PyResult<PictureFormat> {
+    let format = PictureFormat::of(file);
+    format.map_err(|sentence| StudyError::new_err(format!("{}: {sentence}", file.display())))
+}
+
+/// The bytes of a picture of results, in the format of a file of that name, and notes on them.
+#[pyfunction]
+#[allow(clippy::too_many_arguments, reason = "keywords")]
+pub fn plot<'py>(
+    py: Python<'py>,
+    results: Vec<GivenResults<'_>>,
+    kind: &str,
+    quantity: &str,
+    by: Option<&str>,
+    cells: usize,
+    width: Option<&str>,
+    file: PathBuf,
+) -> PyResult<(Bound<'py, PyBytes>, Vec<String>)> {
+    check_drawn(kind, quantity)?;
+    let drawn = match kind {
+        "differences" => Drawn::Differences(comparing(by, &[], &[quantity.to_owned()])?),
+        "map" if (2..=60).contains(&cells) => Drawn::Map(cells),
+        "map" => return Err(StudyError::new_err(format!("cells = {cells}; it must be from 2 to 60"))),
+        _ => Drawn::Means,
+    };
+    let width = width.map(|text| {
+        let width = text.parse::<Width>();
+        width.map_err(|sentence| StudyError::new_err(format!("width = {text:?}: {sentence}")))
+    });
+    let (format, width) = (format_of(&file)?, width.transpose()?);
     let held = held(results)?;
     let results: Vec<Results> = held.iter().map(Held::results).collect();
-    let drawn = py.detach(|| cocarry_studies::study::picture(&results, quantity, &drawn, Sheet::default()));
-    drawn.map_err(|error| refused(&error))
+    let (bytes, notes) = py.detach(|| {
+        let drawn = cocarry_studies::study::picture(&results, quantity, &drawn, format.sheet(width));
+        let (svg, notes) = drawn.map_err(|error| refused(&error))?;
+        let bytes = format.bytes(svg, width).map_err(|error| raise::<StudyError>(&error))?;
+        Ok::<_, PyErr>((bytes, notes))
+    })?;
+    Ok((PyBytes::new(py, &bytes), notes))
 }

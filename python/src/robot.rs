@@ -4,17 +4,16 @@ use crate::arguments;
 use crate::error::{RobotError, raise};
 use crate::value::repr;
 use cocarry::robot;
+use cocarry::suggestion;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
 
-/// The name of the built-in robot.
-const BUILT_IN: &str = "carrier";
-
 /// A mobile manipulator: a wheeled base with an arm.
 ///
-/// Reads a robot file (TOML) with its URDF, or takes the built-in robot. A xacro is refused, unless ``xacro`` is
-/// set: then the program ``xacro`` expands it, which runs code that is in the file. Raises RobotError.
+/// Reads a robot file (TOML) with its URDF, or takes a built-in robot: carrier (the default), omni-carrier, porter or
+/// shuttle. A xacro is refused, unless ``xacro`` is set: then the program ``xacro`` expands it, which runs code that is
+/// in the file. Raises RobotError.
 #[pyclass(frozen, module = "cocarry", name = "Robot")]
 pub struct Robot {
     pub robot: robot::Robot,
@@ -83,34 +82,40 @@ pub fn input_limits(robot: &robot::Robot) -> Vec<f64> {
     robot.input_limits().as_slice()[..inputs].to_vec()
 }
 
-/// The built-in robot, by its name or without one, or the robot in a file.
+/// The built-in robot of a name, the default one without it, or the robot in a file.
 fn load_robot(file: Option<&Path>, xacro: bool) -> PyResult<robot::Robot> {
     let expand: Option<&robot::Expand> = xacro.then_some(&cocarry_program::xacro::expand);
     let found = match file {
         None => robot::Robot::built_in(),
-        Some(name) if name == Path::new(BUILT_IN) && !name.is_file() => robot::Robot::built_in(),
-        Some(file) => match cocarry_program::robot_to_export(file) {
-            Some(name) => {
-                return Err(RobotError::new_err(format!(
-                    "{name}: not a file; `cocarry export {name}` writes the files of this robot, then use {name}.toml"
-                )));
-            }
+        Some(file) => match cocarry_program::exported_robot(file) {
+            Some(built_in) => built_in,
+            None if file.extension().is_none() && !file.exists() => return Err(not_built_in(file)),
             None => robot::Robot::check_expanded(file, expand).map_err(|mut faults| faults.swap_remove(0)),
         },
     };
     found.map_err(|error| raise::<RobotError>(&error))
 }
 
+/// The error of a name that is neither that of a file nor of a built-in robot.
+fn not_built_in(file: &Path) -> PyErr {
+    let (name, known) = (file.to_string_lossy(), cocarry_program::robot_names());
+    let (listed, hint) = (suggestion::listed(known, known.len()), suggestion::hint(&name, known));
+    RobotError::new_err(format!(
+        "{name}: neither a file nor a built-in robot; expected a robot file (.toml), a URDF with a robot file next to it, or one of: {listed}{hint}"
+    ))
+}
+
 fn path_of(key: &str, given: &Bound<'_, PyAny>) -> PyResult<PathBuf> {
     given.extract().map_err(|_| {
         let given = repr(given);
+        let known = cocarry_program::robot_names().map(|name| format!("{name:?}")).join(", ");
         RobotError::new_err(format!(
-            "{key} = {given}; it must be a robot file, \"{BUILT_IN}\" (the built-in robot) or a cocarry.Robot"
+            "{key} = {given}; it must be a robot file, a built-in robot ({known}) or a cocarry.Robot"
         ))
     })
 }
 
-/// The robot of an argument: a file or a robot; the built-in one without it.
+/// The robot of an argument: a name, a file or a robot; the built-in one without it.
 pub fn robot_of(given: Option<&Bound<'_, PyAny>>) -> PyResult<robot::Robot> {
     let Some(given) = given else { return load_robot(None, false) };
     if let Ok(robot) = given.cast::<Robot>() {

@@ -32,7 +32,7 @@ use std::sync::{Arc, OnceLock};
 ///     seed.
 /// belief_alpha, belief_gamma: the robot's belief: uniform(LOWER,UPPER) or normal(MEAN,STD,LOWER,UPPER).
 /// belief_samples: the belief as samples, (n, 2) alpha and gamma, or (n, 3) with weights.
-/// robot: a robot file or a Robot. settings: see cocarry.settings().
+/// robot: a robot file, a built-in robot or a Robot. settings: see cocarry.settings().
 ///
 /// Raises ScenarioError with the key, the value and the values allowed; WorldError; RobotError.
 #[pyclass(frozen, module = "cocarry", name = "Scenario")]
@@ -72,9 +72,11 @@ fn value_of(setting: &Setting, given: &Bound<'_, PyAny>) -> PyResult<Value> {
         Kind::Word(..) | Kind::Text(..) => given.extract().ok().map(Value::Text),
         _ => None,
     };
-    value
-        .filter(|value| setting.accepts(value))
-        .ok_or_else(|| refused(setting.key, repr(given), setting.expected()))
+    value.filter(|value| setting.accepts(value)).ok_or_else(|| {
+        let expected = setting.expected();
+        let hint = given.extract::<String>().map_or(String::new(), |text| expected.hint(&text));
+        refused(setting.key, repr(given), format_args!("{expected}{hint}"))
+    })
 }
 
 /// Sets the settings given by their keys.
@@ -174,9 +176,9 @@ impl Scenario {
     fn new(
         world: Option<&Bound<'_, PyAny>>,
         #[pyo3(from_py_with = arguments::plant)] plant: &str,
-        #[pyo3(from_py_with = arguments::seed)] seed: u64,
-        #[pyo3(from_py_with = arguments::given_alpha)] alpha: Option<f64>,
-        #[pyo3(from_py_with = arguments::given_gamma)] gamma: Option<f64>,
+        #[pyo3(from_py_with = arguments::seed_of_scenario)] seed: u64,
+        #[pyo3(from_py_with = arguments::alpha_of_scenario)] alpha: Option<f64>,
+        #[pyo3(from_py_with = arguments::gamma_of_scenario)] gamma: Option<f64>,
         #[pyo3(from_py_with = arguments::changes)] changes: Option<Vec<Change>>,
         preference_changes: Option<&Bound<'_, PyAny>>,
         #[pyo3(from_py_with = arguments::belief_alpha)] belief_alpha: &str,
@@ -190,8 +192,10 @@ impl Scenario {
             None => load_world(Path::new("environment-4"))?,
         };
         let names = || PlantKind::ALL.map(|kind| format!("{:?}", kind.name())).join(", ");
-        let kind = PlantKind::named(plant)
-            .ok_or_else(|| refused("plant", format!("{plant:?}"), format!("one of: {}", names())))?;
+        let kind = PlantKind::named(plant).ok_or_else(|| {
+            let hint = suggestion::hint(plant, PlantKind::ALL.map(PlantKind::name));
+            refused("plant", format!("{plant:?}"), format!("one of: {}{hint}", names()))
+        })?;
         let plant = match kind {
             PlantKind::Point if robot.is_some() => {
                 return Err(ScenarioError::new_err(
@@ -235,7 +239,7 @@ impl Scenario {
 
     /// Reads a scenario's text (TOML).
     #[staticmethod]
-    fn parse(#[pyo3(from_py_with = arguments::contents)] text: &str) -> PyResult<Self> {
+    fn parse(#[pyo3(from_py_with = arguments::text_of_scenario)] text: &str) -> PyResult<Self> {
         scenario::Scenario::parse(text).map(Self::of).map_err(|e| raise::<ScenarioError>(&e))
     }
 
@@ -249,9 +253,9 @@ impl Scenario {
     #[pyo3(signature = (*, seed = None, alpha = None, gamma = None, **settings))]
     fn replace(
         &self,
-        #[pyo3(from_py_with = arguments::other_seed)] seed: Option<u64>,
-        #[pyo3(from_py_with = arguments::given_alpha)] alpha: Option<f64>,
-        #[pyo3(from_py_with = arguments::given_gamma)] gamma: Option<f64>,
+        #[pyo3(from_py_with = arguments::other_seed_of_scenario)] seed: Option<u64>,
+        #[pyo3(from_py_with = arguments::alpha_of_scenario)] alpha: Option<f64>,
+        #[pyo3(from_py_with = arguments::gamma_of_scenario)] gamma: Option<f64>,
         settings: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let mut made = self.scenario.clone();
@@ -334,7 +338,7 @@ impl Scenario {
 
     fn __repr__(&self) -> String {
         let scenario::Scenario { seed, world, human, .. } = &self.scenario;
-        let (plant, Perception { alpha, gamma }) = (self.scenario.plant.name(), human);
+        let (plant, [alpha, gamma]) = (self.scenario.plant.name(), [human.alpha, human.gamma].map(short));
         format!("<cocarry.Scenario {:?}, {plant}, seed {seed}, alpha {alpha}, gamma {gamma}>", world.file())
     }
 
@@ -351,6 +355,11 @@ impl Scenario {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
         Ok((slf.get_type().getattr("parse")?, (slf.get().text()?,)))
     }
+}
+
+/// A number with six significant digits, for people.
+fn short(number: f64) -> f64 {
+    format!("{number:.5e}").parse().unwrap_or(number)
 }
 
 /// Every setting of an episode: type, about, allowed values, default and words.

@@ -10,7 +10,7 @@ use cocarry_studies::columns::Columns;
 use cocarry_studies::parallel::OnDone;
 use cocarry_studies::study::{
     Custom, EpisodeMaker, Partner, Partners, Shard, Study, Sweep, SweepError, SweepOutputs, columns,
-    read_rows, rows_with,
+    complete_rows, read_rows, rows_with,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -101,9 +101,9 @@ pub fn sweep(
     text: &str,
     file: &str,
     folder: PathBuf,
-    #[pyo3(from_py_with = arguments::number_of_seeds)] seeds: Option<u64>,
+    #[pyo3(from_py_with = arguments::seeds_of_study)] seeds: Option<u64>,
     #[pyo3(from_py_with = arguments::shard)] shard: Option<(u64, u64)>,
-    #[pyo3(from_py_with = arguments::threads)] threads: Option<usize>,
+    #[pyo3(from_py_with = arguments::threads_of_study)] threads: Option<usize>,
     policies: Vec<GivenPartner>,
     humans: Vec<GivenPartner>,
     out: Option<PathBuf>,
@@ -141,6 +141,11 @@ pub fn sweep(
     let watch = Watch { threads, progress: progress.as_ref(), stop: &stop, fault: &fault };
     match out {
         Some(rows) => {
+            // as the program does; ticks may be missing where the rows are complete
+            let is_new = overwrite || ticks.is_some();
+            if !is_new && py.detach(|| complete_rows(&study, shard, &rows)).is_some() {
+                return table.then(|| read(py, &rows)).transpose();
+            }
             let to = SweepOutputs { rows: &rows, ticks: ticks.as_deref(), overwrite };
             py.detach(|| {
                 let sweep = Sweep::open(&study, shard, to).map_err(refused)?;
@@ -232,9 +237,11 @@ pub fn study_rows<'py>(
     Ok(PyBytes::new(py, &rows))
 }
 
-/// The results of a study whose episodes run elsewhere: a file that grows in the order of episodes.
+/// The results of a study whose episodes run elsewhere: a file that grows in the order of episodes. A file that
+/// has all of them already is complete, unless ``overwrite``.
 ///
-/// Raises StudyError, also if the file exists already, belongs to another study, or is written by another process.
+/// Raises StudyError, also if the file is that of another study, is no CSV file of results, or is written by another
+/// process.
 #[pyclass(module = "cocarry._cocarry")]
 pub struct Rows {
     study: Arc<Study>,
@@ -270,9 +277,14 @@ impl Rows {
         let is_custom = partners.are_custom();
         py.detach(|| {
             let study = Arc::new(Study::parse_with(file, text, &folder, seeds, partners)?);
-            let outputs = SweepOutputs { rows: &out, ticks: None, overwrite };
-            let sweep = Mutex::new(Some(Sweep::open(Arc::clone(&study), None, outputs)?));
-            Ok(Self { study, sweep, out, is_custom })
+            let sweep = match !overwrite && complete_rows(&study, None, &out).is_some() {
+                true => None,
+                false => {
+                    let outputs = SweepOutputs { rows: &out, ticks: None, overwrite };
+                    Some(Sweep::open(Arc::clone(&study), None, outputs)?)
+                }
+            };
+            Ok(Self { study, sweep: Mutex::new(sweep), out, is_custom })
         })
         .map_err(|error: SweepError| raise::<StudyError>(&error))
     }

@@ -1,7 +1,8 @@
 //! Tables, as Arrow data and as numpy columns.
 
-use crate::error::{Error, raise};
-use crate::value::of_json;
+use crate::arguments::refused;
+use crate::error::{Error, no_such_key, raise};
+use crate::value::{of_json, repr};
 use arrow_array::cast::AsArray;
 use arrow_array::ffi_stream::FFI_ArrowArrayStream;
 use arrow_array::types::{Float64Type, Int64Type};
@@ -9,9 +10,9 @@ use arrow_array::{Array, ArrayRef, RecordBatch, RecordBatchIterator};
 use arrow_schema::{DataType, Field, Schema};
 use arrow_select::concat::concat_batches;
 use cocarry::quantities::{Heading, Kind, Record, TICK, Value};
+use cocarry::suggestion;
 use cocarry_studies::columns::{Column, Columns, field};
 use numpy::PyArray1;
-use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict, PyList};
 use serde_json::Value as Json;
@@ -20,7 +21,7 @@ use std::sync::Arc;
 
 /// A table of rows. Opens without copies wherever Arrow data do: ``polars.DataFrame(table)``,
 /// ``pyarrow.table(table)``, ``pandas.DataFrame.from_arrow(table)`` (pandas 3). Shows its first rows in a
-/// notebook.
+/// notebook, and as ``print(table)``.
 #[pyclass(frozen, module = "cocarry", name = "Table")]
 pub struct Table {
     batch: RecordBatch,
@@ -150,12 +151,40 @@ impl Table {
         (self.columns(), self.batch.columns().iter().map(cells).collect())
     }
 
-    fn column(&self, name: &str) -> PyResult<&ArrayRef> {
+    fn column(&self, py: Python<'_>, name: &str) -> PyResult<&ArrayRef> {
         self.batch.column_by_name(name).ok_or_else(|| {
-            let schema = self.batch.schema();
-            let known =
-                schema.fields().iter().map(|field| field.name().as_str()).collect::<Vec<_>>().join(", ");
-            PyKeyError::new_err(format!("unknown column `{name}`; expected one of: {known}"))
+            let columns = self.columns();
+            let (known, hint) =
+                (columns.join(", "), suggestion::hint(name, columns.iter().map(String::as_str)));
+            no_such_key(py, format!("unknown column `{name}`; expected one of: {known}{hint}"))
+        })
+    }
+
+    /// A column as a numpy array: numbers with NaN where one is missing, texts as objects.
+    fn numpy_column<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        let array = self.column(py, name)?;
+        Ok(match array.data_type() {
+            DataType::Float64 => {
+                let values = array.as_primitive::<Float64Type>();
+                match values.null_count() {
+                    0 => PyArray1::from_slice(py, values.values()).into_any(),
+                    _ => PyArray1::from_iter(py, values.iter().map(|v| v.unwrap_or(f64::NAN))).into_any(),
+                }
+            }
+            DataType::Int64 => {
+                let values = array.as_primitive::<Int64Type>();
+                match values.null_count() {
+                    0 => PyArray1::from_slice(py, values.values()).into_any(),
+                    _ => PyArray1::from_iter(py, values.iter().map(|v| v.map_or(f64::NAN, |v| v as f64)))
+                        .into_any(),
+                }
+            }
+            DataType::Boolean if array.null_count() == 0 => {
+                PyArray1::from_iter(py, array.as_boolean().iter().map(|flag| flag.unwrap_or(false)))
+                    .into_any()
+            }
+            DataType::Boolean => object_array(py, PyList::new(py, array.as_boolean().iter())?)?,
+            _ => object_array(py, PyList::new(py, array.as_string::<i32>().iter())?)?,
         })
     }
 
@@ -186,38 +215,21 @@ impl Table {
     }
 
     /// A column as a numpy array: numbers with NaN where one is missing, texts as objects.
-    fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-        let array = self.column(name)?;
-        Ok(match array.data_type() {
-            DataType::Float64 => {
-                let values = array.as_primitive::<Float64Type>();
-                match values.null_count() {
-                    0 => PyArray1::from_slice(py, values.values()).into_any(),
-                    _ => PyArray1::from_iter(py, values.iter().map(|v| v.unwrap_or(f64::NAN))).into_any(),
-                }
-            }
-            DataType::Int64 => {
-                let values = array.as_primitive::<Int64Type>();
-                match values.null_count() {
-                    0 => PyArray1::from_slice(py, values.values()).into_any(),
-                    _ => PyArray1::from_iter(py, values.iter().map(|v| v.map_or(f64::NAN, |v| v as f64)))
-                        .into_any(),
-                }
-            }
-            DataType::Boolean if array.null_count() == 0 => {
-                PyArray1::from_iter(py, array.as_boolean().iter().map(|flag| flag.unwrap_or(false)))
-                    .into_any()
-            }
-            DataType::Boolean => object_array(py, PyList::new(py, array.as_boolean().iter())?)?,
-            _ => object_array(py, PyList::new(py, array.as_string::<i32>().iter())?)?,
-        })
+    fn __getitem__<'py>(&self, py: Python<'py>, name: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let Ok(name) = name.extract::<String>() else {
+            return Err(no_such_key(
+                py,
+                format!("column = {}; it must be the name of a column, see table.columns", repr(name)),
+            ));
+        };
+        self.numpy_column(py, &name)
     }
 
     /// All columns.
     fn to_numpy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
         for name in self.columns() {
-            dict.set_item(&name, self.__getitem__(py, &name)?)?;
+            dict.set_item(&name, self.numpy_column(py, &name)?)?;
         }
         Ok(dict)
     }
@@ -294,7 +306,14 @@ impl Table {
 
     /// The rows of tables with the same columns, one after the other.
     #[staticmethod]
-    fn concatenate(tables: Vec<PyRef<'_, Self>>) -> PyResult<Self> {
+    fn concatenate(tables: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let given: Vec<Bound<'_, PyAny>> =
+            tables.extract().map_err(|_| refused::<Error>("tables", tables, "a list of cocarry.Table"))?;
+        let tables = given.iter().enumerate().map(|(i, one)| {
+            let table = one.cast::<Self>().map(|table| table.get());
+            table.map_err(|_| refused::<Error>(&format!("tables[{i}]"), one, "a cocarry.Table"))
+        });
+        let tables = tables.collect::<PyResult<Vec<&Self>>>()?;
         let Some(first) = tables.first() else {
             return Err(Error::new_err("there are no tables to concatenate"));
         };
@@ -318,12 +337,16 @@ impl Table {
         shown(slf, "text")
     }
 
+    fn __str__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        shown(slf, "rows")
+    }
+
     fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         shown(slf, "page")
     }
 }
 
-/// How terminals (`text`) and notebooks (`page`) show a table: the Python part knows it.
+/// How a line (`text`), terminals (`rows`) and notebooks (`page`) show a table: the Python part knows it.
 fn shown<'py>(table: &Bound<'py, Table>, how: &str) -> PyResult<Bound<'py, PyAny>> {
     table.py().import("cocarry._display")?.call_method1(how, (table,))
 }

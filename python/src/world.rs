@@ -8,7 +8,7 @@ use cocarry::options::OptionSet;
 use cocarry::preference::{Predictor, RISK_WEIGHT};
 use cocarry::world;
 use cocarry_maps::Ends;
-use cocarry_output::drawing;
+use cocarry_output::drawing::{self, Sheet};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
@@ -113,7 +113,7 @@ impl World {
         let mut choice = Default::default();
         let prospects = cocarry::episode::prospects(&options, &options.begin());
         predictor.predict(&prospects, &mut choice);
-        drawing::world_map(&self.world, &options, choice.probabilities()).map_err(|e| raise::<WorldError>(&e))
+        drawing::world_map(&self.world, &options, choice.probabilities(), Sheet::default()).map_err(|e| raise::<WorldError>(&e))
     }
 
     fn __repr__(&self) -> String {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.metadata
 import math
+import pickle
 import subprocess
 import sys
 import textwrap
@@ -68,6 +69,8 @@ def test_names_versions_and_mappings():
     assert set(table["method"]) == {"patient", "hasty"} and set(table["human_model"]) == {"first"}
     codes = {name: code for name, code in zip(table["method"], table["policy_code"])}
     assert codes["patient"] != codes["hasty"] and all(code.startswith("1.2 ") for code in codes.values())
+    mixed = cocarry.sweep({**STUDY, "seeds": 1}, policy={"mine": mine, "mutual": "mutual"}, human={"boltzmann(2)": "boltzmann(2)"})
+    assert mixed == cocarry.sweep({**STUDY, "seeds": 1}, policy=[mine, "mutual"], human="boltzmann(2)")
     humans = cocarry.sweep({**STUDY, "seeds": 2}, human=[decisive, "boltzmann(2)"])
     assert set(humans["human_model"]) == {"decisive", "boltzmann(2)"} and len(humans) == 2 * 2 * 2 * 2
     for wrong, said in [
@@ -76,7 +79,9 @@ def test_names_versions_and_mappings():
         (["mutal"], "unknown method `mutal`"),
         ({"": mine}, "1 to 100 characters"),
         ([], "an empty list"),
-        ({"a": "mutual"}, "a mapping"),
+        ({"a": "mutual"}, "policy = a mapping: 'a' is 'mutual'; it must be a custom one, .* {'mutual': 'mutual'}"),
+        ({}, "an empty mapping"),
+        ({5: mine}, "a name in policy = 5"),
         (7, "policy = 7"),
     ]:
         with pytest.raises(cocarry.Error, match=said):
@@ -160,17 +165,64 @@ def test_summaries_and_pictures(both, tmp_path):
     assert saved.read_text() == picture.svg
     with pytest.raises(cocarry.StudyError, match="exists already"):
         picture.save(saved)
-    with pytest.raises(cocarry.StudyError, match="expected the extension .svg"):
-        picture.save(tmp_path / "a.png")
+    with pytest.raises(cocarry.StudyError, match="a.gif: expected one of the extensions .svg, .pdf, .png"):
+        picture.save(tmp_path / "a.gif")
+    with pytest.raises(cocarry.StudyError, match="a.png: a picture that was not made by plot"):
+        cocarry.Picture("<svg/>").save(tmp_path / "a.png")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.svg"]
     with pytest.raises(cocarry.StudyError, match="kind = 'bars'|kind = \"bars\""):
         cocarry.plot(both, kind="bars")
+
+
+@pytest.mark.parametrize("width", [None, "3.5in", "1200px"])
+def test_pictures_are_those_of_the_program(width, both, tmp_path):
+    rows, study = tmp_path / "rows.csv", {**STUDY, "methods": ["mutual", "without-model"]}
+    table = cocarry.sweep(study, out=rows)
+    for kind in ("means", "differences", "map"):
+        picture = pickle.loads(pickle.dumps(cocarry.plot(table, kind=kind, width=width)))
+        for extension in ("svg", "pdf", "PNG"):
+            file, theirs = tmp_path / f"{kind}.{extension}", tmp_path / f"{kind}-program.{extension}"
+            assert picture.save(file) == file
+            with pytest.raises(cocarry.StudyError, match="exists already"):
+                picture.save(file)
+            picture.save(file, overwrite=True)
+            done = program("plot", rows, "-o", theirs, "--kind", kind, *([] if width is None else ["--width", width]))
+            assert done.returncode == 0, done.stderr
+            assert file.read_bytes() == theirs.read_bytes()
+    assert (tmp_path / "means.pdf").read_bytes().startswith(b"%PDF") and (tmp_path / "means.PNG").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("processes", [None, 2])
+def test_a_finished_file_of_the_same_study_is_read(processes, tmp_path, both):
+    out, more = tmp_path / "both.csv", {} if processes is None else {"processes": processes}
+    assert cocarry.sweep(STUDY, policy=[mine, "mutual"], out=out, **more) == both
+    before = out.stat().st_mtime_ns, out.read_bytes()
+    assert cocarry.sweep(STUDY, policy=[mine, "mutual"], out=out, **more) == both
+    assert cocarry.sweep(STUDY, policy=[mine, "mutual"], out=out, table=False, **more) is None
+    assert (out.stat().st_mtime_ns, out.read_bytes()) == before
+    assert cocarry.sweep(STUDY, policy=[mine, "mutual"], out=out, overwrite=True, **more) == both
+    assert out.stat().st_mtime_ns != before[0] and out.read_bytes() == before[1]
+    # another study, other code, a part of the rows
+    for keywords in ({"policy": ["mutual"]}, {"policy": [Waits(), "mutual"]}, {"policy": [mine, "mutual"], "seeds": 5}):
+        with pytest.raises(cocarry.StudyError, match="both.csv: exists already; choose another name, or give overwrite=True"):
+            cocarry.sweep(STUDY, out=out, **keywords, **more)
+    out.write_bytes(b"".join(before[1].splitlines(keepends=True)[:-1]))
+    with pytest.raises(cocarry.StudyError, match="exists already"):
+        cocarry.sweep(STUDY, policy=[mine, "mutual"], out=out, **more)
+
+
+def test_a_finished_shard_is_read(tmp_path):
+    first = cocarry.sweep(STUDY, shard=(1, 2), out=tmp_path / "1.csv")
+    assert cocarry.sweep(STUDY, shard=(1, 2), out=tmp_path / "1.csv") == first
+    with pytest.raises(cocarry.StudyError, match="exists already"):
+        cocarry.sweep(STUDY, shard=(2, 2), out=tmp_path / "1.csv")
+    with pytest.raises(cocarry.StudyError, match="exists already"):
+        cocarry.sweep(STUDY, shard=(1, 2), out=tmp_path / "1.csv", ticks=tmp_path / "ticks")
 
 
 def test_a_file_of_custom_partners_resumes_where_the_code_is_equal(tmp_path, both):
     out = tmp_path / "both.csv"
     assert cocarry.sweep(STUDY, policy=[mine, "mutual"], out=out) == both
-    with pytest.raises(cocarry.StudyError, match="exists"):
-        cocarry.sweep(STUDY, policy=[mine, "mutual"], out=out)
     whole = out.read_bytes()
     # as a sweep that was stopped
     partial = tmp_path / "both.csv.partial"
@@ -184,7 +236,7 @@ def test_a_file_of_custom_partners_resumes_where_the_code_is_equal(tmp_path, bot
         return mine(view)
 
     other.__name__ = "mine"
-    with pytest.raises(cocarry.StudyError, match="the code of a custom partner"):
+    with pytest.raises(cocarry.StudyError, match="the code of a custom partner.*; overwrite=True starts again"):
         cocarry.sweep(STUDY, policy=[other, "mutual"], out=out)
     assert not calls and partial.exists()
     assert cocarry.sweep(STUDY, policy=[mine, "mutual"], out=out) == both

@@ -57,6 +57,46 @@ def test_every_table_shows_itself(table):
     assert html.count("<tr>") == 1 + min(len(table), 20) and repr(table).startswith(f"<cocarry.Table, {len(table)} rows")
 
 
+def test_a_comparison_is_printed_with_its_figures():
+    table = cocarry.sweep({**STUDY, "eta": [5, 10.5]})
+    found = cocarry.compare(table)
+    lines = str(found).splitlines()
+    assert lines[:2] == [
+        "accumulated_objective_cost_m: mutual - without-model",
+        "world           eta   n  difference     95 % interval  p (Holm)",
+    ]
+    assert len(lines) == 2 + 4 + 2 and lines[-1] == f"4 rows; {len(found.columns)} columns, table.columns lists all"
+    for i, line in enumerate(lines[2:6]):
+        words = line.split()
+        assert words[:3] == [found["world"][i], f"{found['eta'][i]:g}", "20"]
+        figures = [float(words[at]) for at in (3, 4, 6, 7)]
+        columns = ("difference", "difference_low", "difference_high", "p_holm")
+        np.testing.assert_allclose(figures, [found[name][i] for name in columns], rtol=0.05)
+    assert repr(found) == f"<cocarry.Table, 4 rows, {len(found.columns)} columns>"
+    # where all humans make the same choices, there is no interval
+    by_quantity = str(cocarry.compare(table, quantities=["final_discomfort", "accumulated_objective_cost_m"], over="world"))
+    assert "final_discomfort: mutual - without-model\n" in by_quantity and "accumulated_objective_cost_m: mutual - without-model\n" in by_quantity
+    assert all(line.split()[-2:] == ["-", "-"] for line in by_quantity.partition("final_discomfort")[2].splitlines()[2:4])
+
+
+def test_printed_lines_have_at_most_80_characters():
+    def policy(view):
+        return None
+
+    long = {"a" * 99: policy, "b\u202e" + "c" * 60: policy, "mutual": "mutual"}
+    study = {**STUDY, "seeds": 3, "eta": [5, 10.5], "risk_weight_m": [10, 12]}
+    rows = cocarry.sweep(study, policy=long)
+    ticks = cocarry.Episode(cocarry.Scenario("environment-4", plant="point")).ticks
+    few = cocarry.compare(rows, over=["world", "eta"])
+    assert len(few) <= 20
+    for table in [rows, cocarry.compare(rows), few, cocarry.summary(rows), ticks(0), ticks(3)]:
+        lines = str(table).splitlines()
+        assert max(map(len, lines)) <= 80
+        assert all(line.isprintable() for line in lines)
+    assert str(rows).startswith(f"<cocarry.Table, {len(rows)} rows, ") and f"5 of {len(rows)} rows" in str(rows)
+    assert "environment-1" in str(rows) and len(str(rows).splitlines()) <= 11
+
+
 def test_names_of_worlds_and_policies_are_text_on_the_page():
     def policy(view):
         return None

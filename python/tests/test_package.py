@@ -59,7 +59,9 @@ def test_settings_are_the_tables():
         ({"eta": True}, r"scenario: eta = True; it must be a number"),
         ({"eta": float("nan")}, r"scenario: eta = nan; it must be"),
         ({"max_steps": 0}, r"max_steps = 0; it must be a whole number from 1"),
-        ({"method": "mutal"}, r"method = 'mutal'; it must be one of \"mutual\""),
+        ({"method": "mutal"}, r"method = 'mutal'; it must be one of \"mutual\".*did you mean `mutual`\?"),
+        ({"human_model": "boltzman(2)"}, r"human_model = 'boltzman\(2\)'; it must be .*did you mean `boltzmann\(RATIONALITY\)`\?"),
+        ({"plant": "rapir"}, r"plant = \"rapir\"; it must be one of: .*did you mean `rapier`\?"),
         ({"etta": 1}, r"unknown setting `etta`; expected one of: .*eta"),
         ({"sway_m": 0.02}, r"sway_m needs a human's body.*use plant=\"rapier\""),
         ({"alpha": 0}, r"alpha = 0; it must be a number greater than 0"),
@@ -207,8 +209,12 @@ def test_recordings_are_those_of_the_program(plant, tmp_path):
     assert len(table) == recording.topics["/coordination"]
     assert np.all(np.diff(table["time_s"]) > 0)
     assert recording.to_html().startswith("<!doctype html>")
-    with pytest.raises(cocarry.RecordingError, match="b.mcap"):
+    with pytest.raises(cocarry.RecordingError, match=r"b.mcap: exists already; choose another name, or give overwrite=True"):
         cocarry.Episode(example(plant)).record(tmp_path / "b.mcap")
+    for name in ("c.bag", "c"):
+        with pytest.raises(cocarry.RecordingError, match=f"{name}: expected the extension .mcap"):
+            cocarry.Episode(example(plant)).record(tmp_path / name)
+        assert not (tmp_path / name).exists()
     with pytest.raises(cocarry.RecordingError, match="has no channel `/nothing`; it has"):
         recording.table("/nothing")
 
@@ -394,8 +400,11 @@ def test_preference_is_the_papers():
 
 def test_claims_and_fits_are_the_programs():
     assert cocarry.reproduce("h1")["table"] == "I"
-    with pytest.raises(cocarry.Error, match="h9"):
-        cocarry.reproduce("h9")
+    with pytest.raises(cocarry.Error, match="claim = 'table-2'; it must be one of h1, h2, h3, guide"):
+        cocarry.reproduce("table-2")
+    listed = program("reproduce", "--help").partition("Commands:")[2].partition("\n\n")[0]
+    claims = [line.split()[0] for line in listed.splitlines() if line.startswith("  ") and line[2] != " "]
+    assert [claim for claim in claims if claim != "help"] == list(cocarry._program._CLAIMS)
     with pytest.raises(cocarry.Error, match="nowhere.csv"):
         cocarry.fit_eta("nowhere.csv")
     data = pathlib.Path(__file__).parents[2] / "docs" / "data"

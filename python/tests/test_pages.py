@@ -26,6 +26,11 @@ def test_the_blocks_of_a_page_run_in_order(page, tmp_path, monkeypatch):
         exec(compile("\n" * line + block[1], str(page), "exec"), session)
 
 
+def test_the_readme_of_the_wheel_names_no_file_next_to_it():
+    text = next(page for page in (*PAGES, HERE / "README.md") if page.name == "README.md" and page.parent != HERE.parent).read_text(encoding="utf-8")
+    assert [link for link in re.findall(r"\]\(([^)]+)\)", text) if not link.startswith("https://")] == []
+
+
 def test_the_examples_that_pages_name_are_there():
     named = {name for page in PAGES for name in re.findall(r"python/examples/(\w+\.py)", page.read_text(encoding="utf-8"))}
     assert "own_human.py" in named

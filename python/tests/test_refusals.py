@@ -6,6 +6,9 @@ import copy
 import gc
 import inspect
 import pickle
+import re
+import subprocess
+import sys
 import weakref
 
 import gymnasium
@@ -117,10 +120,17 @@ def test_arguments_of_results_and_sweeps(tmp_path):
     for wrong in (5, b"method", [5], float("nan")):
         refused(lambda wrong=wrong: cocarry.plot(rows, kind=wrong), "kind = ", "one of: means, differences, map")
         refused(lambda wrong=wrong: cocarry.plot(rows, quantity=wrong), "quantity = ", "a column")
+        refused(lambda wrong=wrong: cocarry.plot(rows, width=wrong), "width = ", '"3.5in" or "1200px"')
         refused(lambda wrong=wrong: cocarry.compare(rows, by=wrong), "by = ", "an input")
         refused(lambda wrong=wrong: cocarry.compare(rows, over=wrong), "over = ", "a list")
         refused(lambda wrong=wrong: cocarry.compare(rows, quantities=wrong), "quantities = ", "a column")
         refused(lambda wrong=wrong: cocarry.reproduce(wrong), "claim = ")
+    for kind in ("means", "differences", "map"):
+        known = "it must be one of: " + ("accumulated_objective_cost_m, " if kind != "differences" else "steps, time_s, ")
+        refused(lambda kind=kind: cocarry.plot(rows, kind=kind, quantity="x"), 'quantity = "x"; ' + known)
+        refused(lambda kind=kind: cocarry.plot(rows, kind=kind, quantity="final_discomfor"), "did you mean `final_discomfort`?")
+    for wrong, said in [("3.5", "inches or pixels, as in 3.5in or 1200px"), ("1in", "from 2in to 20in"), ("7000px", "from 300px to 6000px")]:
+        refused(lambda wrong=wrong: cocarry.plot(rows, width=wrong), f'width = "{wrong}": ', said)
     for wrong in (5, None, "a\0b", [1]):
         refused(lambda wrong=wrong: cocarry.fit_eta(wrong), "switches = ", "a file")
         refused(lambda wrong=wrong: cocarry.fit_risk_weight(wrong), "answers = ", "a file")
@@ -150,9 +160,64 @@ def test_the_built_in_robot_has_a_name(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert cocarry.Robot("carrier").joints == cocarry.Robot().joints
     assert cocarry.Scenario(plant="kinematic", robot="carrier") == cocarry.Scenario(plant="kinematic")
-    refused(lambda: cocarry.Robot("porter"), "porter: not a file; `cocarry export porter` writes")
-    refused(lambda: cocarry.Scenario(robot="shuttle"), "shuttle: not a file; `cocarry export shuttle` writes")
-    refused(lambda: cocarry.Robot("carier"), "carier")
+    names = ["`carrier`", "`omni-carrier`", "`porter`", "`shuttle`"]
+    refused(lambda: cocarry.Robot("carier"), "carier: neither a file nor a built-in robot", *names, "did you mean `carrier`?")
+    refused(lambda: cocarry.Scenario(robot="omnicarrier"), "did you mean `omni-carrier`?")
+    refused(lambda: cocarry.Robot("carier.toml"), "carier.toml: ")
+
+
+@pytest.mark.parametrize("name", ["omni-carrier", "porter", "shuttle"])
+def test_a_built_in_robot_is_that_of_its_exported_files(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    robot = cocarry.Robot(name)
+    scenario = cocarry.Scenario(plant="rapier", robot=name)
+    assert scenario == cocarry.Scenario(plant="rapier", robot=robot) and scenario.robot.joints == robot.joints
+    subprocess.run([sys.executable, "-m", "cocarry", "export", name], check=True, capture_output=True)
+    assert scenario == cocarry.Scenario(plant="rapier", robot=f"{name}.toml")
+    # a file of that name comes first
+    (tmp_path / name).rename(tmp_path / "meshes") if (tmp_path / name).exists() else None
+    (tmp_path / name).write_text("not a robot")
+    refused(lambda: cocarry.Robot(name), name)
+
+
+def test_errors_are_of_the_documented_kind():
+    for keywords in ({"seed": -1}, {"alpha": "x"}, {"gamma": [1]}, {"changes": 3}, {"plant": 5}, {"belief_alpha": 5}):
+        with pytest.raises(cocarry.ScenarioError, match=f"{next(iter(keywords))} = "):
+            cocarry.Scenario("environment-4", **keywords)
+    for keywords in ({"seed": -1}, {"alpha": "x"}, {"gamma": "x"}):
+        with pytest.raises(cocarry.ScenarioError, match=f"{next(iter(keywords))} = "):
+            point().replace(**keywords)
+    with pytest.raises(cocarry.ScenarioError, match="text = 5"):
+        cocarry.Scenario.parse(5)
+    for keywords in ({"threads": -1}, {"threads": 0}, {"threads": "2"}, {"seeds": -1}, {"shard": 3}, {"shard": (3, 2)}):
+        with pytest.raises(cocarry.StudyError, match=f"{next(iter(keywords))} = "):
+            cocarry.sweep(STUDY, **keywords)
+
+
+def test_what_a_table_and_an_episode_do_not_have():
+    table = cocarry.sweep(STUDY)
+    for wrong, said in [(3, "column = 3; it must be the name of a column"), ("walked", "unknown column `walked`; expected one of: episode, ")]:
+        with pytest.raises(cocarry.UnknownKeyError) as caught:
+            table[wrong]
+        assert str(caught.value).startswith(said) and isinstance(caught.value, KeyError)
+        assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)
+    refused(lambda: table["walkd_m"], "did you mean `walked_m`?")
+    episode = cocarry.Episode(point())
+    episode.step()
+    refused(lambda: episode[1], "quantity = 1; it must be the name of a quantity")
+    refused(lambda: episode["stubbornes"], "unknown quantity `stubbornes`; expected one of: ", "did you mean `stubbornness`?")
+    refused(lambda: cocarry.Table.concatenate(3), "tables = 3; it must be a list of cocarry.Table")
+    refused(lambda: cocarry.Table.concatenate(table), "tables = <cocarry.Table, ", "it must be a list of cocarry.Table")
+    refused(lambda: cocarry.Table.concatenate([table, 1]), "tables[1] = 1; it must be a cocarry.Table")
+    refused(lambda: cocarry.Table.concatenate([]), "there are no tables")
+    assert len(cocarry.Table.concatenate((table, table))) == 2 * len(table)
+
+
+def test_a_scenario_shows_six_digits():
+    shown = repr(cocarry.Scenario("environment-4", plant="point"))
+    numbers = re.findall(r"(?:alpha|gamma) ([\d.]+)", shown)
+    assert len(numbers) == 2 and all(len(number.replace(".", "").lstrip("0")) <= 6 for number in numbers), shown
+    assert "alpha 0.7, gamma 1.1>" in repr(point(alpha=0.7, gamma=1.1))
 
 
 class Keeps(cocarry.Policy):
@@ -211,3 +276,10 @@ def test_environments_of_one_world_or_many():
     refused(lambda: cocarry.environments.OptionsEnv(worlds=5), "worlds = 5; it must be a world or a list of worlds")
     refused(lambda: cocarry.environments.CarryEnv(action="velocity"), "action = 'velocity'; it must be one of: inputs, reference, residual")
     assert gymnasium.make("cocarry/Options-v0", worlds=cocarry.World("environment-1")).unwrapped.action_space.n > 1
+    for make in (
+        lambda **keywords: gymnasium.make("cocarry/Options-v0", **keywords),
+        lambda **keywords: gymnasium.make_vec("cocarry/Options-v0", num_envs=2, **keywords),
+        cocarry.pettingzoo.parallel_env,
+    ):
+        refused(lambda make=make: make(world="environment-4"), "world = 'environment-4': unknown keyword `world`; did you mean `worlds`?")
+        refused(lambda make=make: make(plant="rapier"), "plant = 'rapier': this environment is of the planning level")

@@ -53,7 +53,7 @@ mod worlds;
 pub mod xacro;
 
 pub use custom::{CustomPolicies, provide};
-pub use robot::robot_to_export;
+pub use robot::{exported_robot, robot_names};
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser, Subcommand};

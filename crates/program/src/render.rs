@@ -40,7 +40,7 @@ pub(super) struct RenderArguments {
     output: Target,
     /// Width of a picture, in inches or pixels: 3.5in, 1200px. Type is at least 7 pt from 3.5 inches on; a
     /// PNG has 300 pixels an inch [default: 7in; .gif: 760px]
-    #[arg(long, value_name = "WIDTH", value_parser = picture_width)]
+    #[arg(long, value_name = "WIDTH", value_parser = clap::value_parser!(Width))]
     width: Option<Width>,
     /// Number of instants in a filmstrip [default: 6]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=20))]
@@ -99,22 +99,6 @@ fn address(text: &str) -> Result<String, String> {
     {
         true => Ok(text.to_owned()),
         false => Err(expected.to_owned()),
-    }
-}
-
-/// A parser of the width of a picture, with its unit.
-pub(super) fn picture_width(text: &str) -> Result<Width, String> {
-    let (number, is_inches) = match (text.strip_suffix("in"), text.strip_suffix("px")) {
-        (Some(number), _) => (number, true),
-        (None, Some(number)) => (number, false),
-        (None, None) => return Err("expected inches or pixels, as in 3.5in or 1200px".to_owned()),
-    };
-    let value: f64 = number.trim().parse().map_err(|_| format!("`{number}` is not a number"))?;
-    match is_inches {
-        true if (2.0..=20.0).contains(&value) => Ok(Width::Inches(value)),
-        true => Err("must be from 2in to 20in".to_owned()),
-        false if (300.0..=6000.0).contains(&value) => Ok(Width::Pixels(value.round() as u32)),
-        false => Err("must be from 300px to 6000px".to_owned()),
     }
 }
 

@@ -21,6 +21,7 @@ use cocarry::scenario::{Decisions, Scenario, Snapshot};
 use cocarry_output::drawing;
 use cocarry_output::output_file::Outputs;
 use cocarry_recording::recording::Ending;
+use cocarry_recording::rendering::Width;
 use cocarry_studies::paper::EXAMPLE_HUMAN;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -58,6 +59,10 @@ pub(super) struct RunArguments {
     /// step
     #[arg(long, value_name = "FILE", value_parser = svg_file, help_heading = OUTPUT)]
     svg: Option<PathBuf>,
+    /// Width of that picture, in inches or pixels: 3.5in, 1200px. Type is at least 7 pt from 3.5 inches on
+    /// [default: 720px]
+    #[arg(long, value_name = "WIDTH", requires = "svg", value_parser = clap::value_parser!(Width), help_heading = OUTPUT)]
+    width: Option<Width>,
     #[command(flatten, next_help_heading = OUTPUT)]
     recording: RecordArguments,
     #[command(flatten, next_help_heading = OUTPUT)]
@@ -161,6 +166,7 @@ fn carry_out(arguments: &RunArguments) -> Result<ExitCode, Failure> {
             prepared.world(),
             &[report.track()],
             prepared.scenario().settings.planning_step,
+            Width::sheet_or_default(arguments.width),
         )
         .with_context(|| path.display().to_string())
         .map_err(Failure::Output)?;

@@ -14,6 +14,7 @@ use cocarry::preference::{ChoiceDistribution, Predictor, objective_cost};
 use cocarry::world::{Obstacle, World};
 use cocarry_maps::Ends;
 use cocarry_output::drawing;
+use cocarry_recording::rendering::Width;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -41,6 +42,10 @@ pub(super) struct WorldArguments {
     /// Draw the map into this SVG file
     #[arg(long, value_name = "FILE", value_parser = svg_file)]
     svg: Option<PathBuf>,
+    /// Width of the map, in inches or pixels: 3.5in, 1200px. Type is at least 7 pt from 3.5 inches on
+    /// [default: 720px]
+    #[arg(long, value_name = "WIDTH", requires = "svg", value_parser = clap::value_parser!(Width))]
+    width: Option<Width>,
     /// Write the world into this file (TOML), with the outlines of its map
     #[arg(long, value_name = "FILE", value_parser = toml_file)]
     write: Option<PathBuf>,
@@ -120,7 +125,7 @@ pub(super) fn run_world(arguments: &WorldArguments) -> Result<ExitCode, Failure>
     }
     if let Some(path) = &arguments.svg {
         let probabilities: Vec<f64> = offers.iter().map(|o| o.option.probability).collect();
-        let svg = drawing::world_map(&world, &set, &probabilities)
+        let svg = drawing::world_map(&world, &set, &probabilities, Width::sheet_or_default(arguments.width))
             .with_context(|| path.display().to_string())
             .map_err(Failure::Output)?;
         write_file(&outputs, path, &svg)?;

@@ -5,6 +5,7 @@
 //! recordings give equal bytes.
 
 mod film;
+mod format;
 mod layout;
 mod learned;
 mod pdf;
@@ -13,6 +14,7 @@ mod player;
 mod robot;
 mod take_over;
 
+pub use format::PictureFormat;
 pub use layout::viewer_layout;
 pub use pdf::pdf;
 pub use pictures::{

@@ -10,6 +10,7 @@ use resvg::usvg::{Options, Tree};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt::Display;
+use std::str::FromStr;
 
 /// Resolution of a PNG whose width is given in inches, px per inch.
 const RESOLUTION: f64 = 300.0;
@@ -54,6 +55,11 @@ impl Width {
         }
     }
 
+    /// The sheet of an SVG file of this width, 720 px without one.
+    pub fn sheet_or_default(width: Option<Self>) -> Sheet {
+        width.map_or_else(Sheet::default, |width| width.sheet(Letters::Text))
+    }
+
     /// The sheet of a picture of this width.
     pub fn sheet(self, letters: Letters) -> Sheet {
         Sheet { width: self.layout(), shown: self.shown(), letters }
@@ -72,6 +78,26 @@ impl Width {
         match self {
             Self::Pixels(pixels) => f64::from(pixels),
             Self::Inches(inches) => (inches * RESOLUTION).round(),
+        }
+    }
+}
+
+impl FromStr for Width {
+    type Err = String;
+
+    /// A number with its unit, as in `3.5in` or `1200px`. The error is a sentence.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (number, is_inches) = match (text.strip_suffix("in"), text.strip_suffix("px")) {
+            (Some(number), _) => (number, true),
+            (None, Some(number)) => (number, false),
+            (None, None) => return Err("expected inches or pixels, as in 3.5in or 1200px".to_owned()),
+        };
+        let value: f64 = number.trim().parse().map_err(|_| format!("`{number}` is not a number"))?;
+        match is_inches {
+            true if (2.0..=20.0).contains(&value) => Ok(Self::Inches(value)),
+            true => Err("must be from 2in to 20in".to_owned()),
+            false if (300.0..=6000.0).contains(&value) => Ok(Self::Pixels(value.round() as u32)),
+            false => Err("must be from 300px to 6000px".to_owned()),
         }
     }
 }
