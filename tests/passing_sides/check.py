@@ -230,7 +230,7 @@ for name, precision in (("single", torch.float32), ("double", torch.float64)):
         with contextlib.redirect_stdout(io.StringIO()), torch.serialization.safe_globals([argparse.Namespace]):
             wrapper = vrnn_node.VRNNWrapper(transform(GOAL), [transform(OBSTACLE)])
         wrapper.model.to(precision)
-        largest = np.zeros(4)
+        differences = np.zeros(4)
         same = 0
         for walked, noise in zip(walks, noises):
             wrapper.state_history.clear()
@@ -241,7 +241,7 @@ for name, precision in (("single", torch.float32), ("double", torch.float64)):
             history = np.column_stack([learned.ROOM.to_window(ours_of(recent[:, :2])), recent[:, 2] + math.pi])
 
             features = learned.network_features(history, obstacle_px, goal_px)
-            largest[0] = max(largest[0], difference(features, tf2model(states, wrapper.obstacles)))
+            differences[0] = max(differences[0], difference(features, tf2model(states, wrapper.obstacles)))
 
             def drawn(like: Any, noise: Any = noise, step: Any = iter(range(learned.SEQUENCE)), **_: Any) -> Any:
                 return torch.tensor(noise[:, next(step)], dtype=precision).reshape(like.shape)
@@ -250,20 +250,20 @@ for name, precision in (("single", torch.float32), ("double", torch.float64)):
                 history_inputs = tf2model(states, wrapper.obstacles).repeat(wrapper.BSIZE, 1, 1)
                 samples = wrapper.model.sample(history_inputs, seq_len=wrapper.SEQ_LEN)
             sequences = network.sample(features, noise)
-            largest[1] = max(largest[1], difference(sequences, samples))
+            differences[1] = max(differences[1], difference(sequences, samples))
 
             their_ways = tf2sim(samples, states, wrapper.H)
             ways = learned.predicted_ways(network, history, obstacle_px, goal_px, noise)
             arguments = (wrapper.goal.numpy(), wrapper.obstacles.numpy())
             scores = [custom_reward_function(way.numpy(), *arguments, vectorized=True).sum() for way in their_ways]
             our_scores = learned.score(ways, obstacle_px, goal_px)
-            largest[2] = max(largest[2], difference(our_scores, scores))
+            differences[2] = max(differences[2], difference(our_scores, scores))
             same += int(our_scores.argmax() == np.argmax(scores))
 
             with mock.patch.object(torch, "randn_like", lambda like, step=iter(range(learned.SEQUENCE)), **_: drawn(like, step=step)):
                 rollout, _ = wrapper.get_nominal_rollout()
             best = learned.ROOM.from_window(ways[int(np.argmax(scores))])
-            largest[3] = max(largest[3], difference(best, ours_of(rollout.numpy()[:, :2])))
+            differences[3] = max(differences[3], difference(best, ours_of(rollout.numpy()[:, :2])))
         steps = learned.CANDIDATES * learned.SEQUENCE
         for what, count, found, bound in zip(
             (
@@ -273,7 +273,7 @@ for name, precision in (("single", torch.float32), ("double", torch.float64)):
                 "best prediction in the room, m",
             ),
             (30 * 8, steps * 8, learned.CANDIDATES, (learned.SEQUENCE - learned.HISTORY) * 2),
-            largest,
+            differences,
             allowed[name],
         ):
             report(f"{what}, {name} precision", PREDICTIONS * count, float(found), bound)
@@ -297,14 +297,35 @@ with mock.patch.object(torch, "float32", torch.float64):
         library.U, library.u_init = torch.tensor(plan), torch.tensor(last)
         library.noise_dist = types.SimpleNamespace(rsample=lambda shape, noise=noise: torch.tensor(noise))
         library.command(torch.tensor(poses[i]))
-        waypoints = (way - carried + poses[i, :2])[:: learned.WAYPOINT_STRIDE]
+        waypoints = enumerate((way - carried + poses[i, :2])[:: learned.WAYPOINT_STRIDE])
+
+        def following(at: Any, waypoints: Any = waypoints) -> Any:
+            step, waypoint = next(waypoints)
+            return learned.tracking_cost(at[:, :2], waypoint, step)
+
         ours = mppi.improved(
             np.concatenate([plan[1:], last[np.newaxis]]),
             noise,
             poses[i],
-            lambda at, step=iter(range(mppi.horizon)): (lambda k: learned.tracking_cost(at[:, :2], waypoints[k], k))(next(step)),
+            following,
             lambda at: np.zeros(len(at)),
         )
         largest = max(largest, difference(ours, library.U))
 report("plan after an MPPI update that follows a prediction", ROLLOUTS * 30, largest, 1e-12)
+
+# 6. where the learned planner leads alone: the object follows the best prediction exactly, from 2.5 m before the post
+print("\nthe best prediction, followed exactly: least distance of the object's centre from the post's and from the goal, m")
+post, goal = np.zeros(2), ours_of(GOAL)
+for formation, heading in (("side by side, as theirs", math.pi / 2), ("in tandem, as ours", math.pi)):
+    for aside in (-0.3, 0.0, 0.3):
+        history = np.tile([*learned.ROOM.to_window((-2.5, aside)), heading], (learned.HISTORY + 1, 1))
+        passed: list[Any] = []
+        while len(passed) < 100 and history[-1, 0] < learned.WINDOW_PX[0]:
+            noise = generator.standard_normal((learned.CANDIDATES, learned.SEQUENCE, network.latents))
+            ways = learned.predicted_ways(network, history, obstacle_px, goal_px, noise)
+            steps_px = ways[learned.score(ways, obstacle_px, goal_px).argmax(), :3]
+            history = np.concatenate([history, np.column_stack([steps_px, np.full(3, heading)])])[-learned.HISTORY - 1 :]
+            passed.append(learned.ROOM.from_window(steps_px[-1]))
+        nearest = [float(np.hypot(*(np.array(passed) - point).T).min()) for point in (post, goal)]
+        print(f"{formation:24} from {aside:+.1f} m aside: {nearest[0]:.2f} {nearest[1]:.2f}")
 sys.exit(failures > 0)

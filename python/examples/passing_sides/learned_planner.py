@@ -141,6 +141,8 @@ class LearnedPlanner(VanillaMpc):
     seed: of the MPC's samples and of the latents.
     floor: what the window of the network is.
     score_walls: walls of the score, pixels.
+    heading: the heading in the window of an object whose yaw to the hand is 0, rad. By default it is pi, that to the
+        robot; with pi / 2, the network sees a team that carries side by side, as the paper's does.
     """
 
     name = "learned"
@@ -152,10 +154,11 @@ class LearnedPlanner(VanillaMpc):
         seed: int = 0,
         floor: Floor = ROOM,
         score_walls: tuple[float, float] = SCORE_WALLS_PX,
+        heading: float = math.pi,
     ) -> None:
         super().__init__(scene, seed)
         self.network = network if isinstance(network, Vrnn) else Vrnn.read(network)
-        self.floor, self.score_walls = floor, score_walls
+        self.floor, self.score_walls, self.turn = floor, score_walls, heading
         self.generator = np.random.default_rng([seed, 1])
         #: The object's poses, x, y (m) and yaw to the hand (rad), of the last steps, and the time of the last one, s.
         self.history = np.empty((0, 3))
@@ -182,7 +185,7 @@ class LearnedPlanner(VanillaMpc):
 
     def _prediction(self, obstacle: Floats, goal: Floats) -> Floats:
         """The best predicted way of the object's centre, (SEQUENCE - HISTORY, 2), m."""
-        history = np.column_stack([self.floor.to_window(self.history[:, :2]), self.history[:, 2] + math.pi])
+        history = np.column_stack([self.floor.to_window(self.history[:, :2]), self.history[:, 2] + self.turn])
         obstacles, end = self.floor.to_window([obstacle]), self.floor.to_window(goal)
         noise = self.generator.standard_normal((CANDIDATES, SEQUENCE, self.network.latents))
         ways = predicted_ways(self.network, history, obstacles, end, noise)

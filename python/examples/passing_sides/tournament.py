@@ -32,8 +32,13 @@ WORLDS = ["room", "environment-1", "environment-2", "environment-3", "environmen
 HUMANS = ["force", "scripted", "boltzmann", "preference"]
 #: The policies of the paper, as published, and with base and object kept clear of all walls.
 OTHERS: dict[str, type[VanillaMpc]] = {"ic-mpc": IcMpc, "vanilla-mpc": VanillaMpc, "ic-mpc-walls": IcMpc, "vanilla-mpc-walls": VanillaMpc}
-#: The learned planner as published, and with the score's walls at the window's sides. Both need a file of weights.
-LEARNED = ["learned", "learned-sides"]
+#: Walls of the score, pixels, and heading of an object that points at the human, rad: the learned planner as published,
+#: with the score's walls at the window's sides, and as if the two carried side by side. All need a file of weights.
+LEARNED: dict[str, tuple[tuple[float, float], float]] = {
+    "learned": (SCORE_WALLS_PX, math.pi),
+    "learned-sides": (WINDOW_PX, math.pi),
+    "learned-beside": (SCORE_WALLS_PX, math.pi / 2.0),
+}
 POLICIES = [*OTHERS, "mutual", "mutual-learns", "follow-hand", "human-led", "robot-led"]
 SPEED_M_PER_S = 0.3
 SUCCESS_DISTANCE_M = 0.25
@@ -111,8 +116,8 @@ def play(cell: Cell) -> Result:
         if cell.weights is None or cell.world != "room":
             raise ValueError(f"{cell.policy} in {cell.world}: it needs --weights, and knows only the room")
         post = OnePost((0.0, 0.0), (float(world.target[0]), float(world.target[1])))
-        walls_px = WINDOW_PX if cell.policy == "learned-sides" else SCORE_WALLS_PX
-        partners["policy"] = LearnedPlanner(cell.weights, post, cell.seed, score_walls=walls_px)
+        walls_px, heading = LEARNED[cell.policy]
+        partners["policy"] = LearnedPlanner(cell.weights, post, cell.seed, score_walls=walls_px, heading=heading)
     episode = cocarry.Episode(scenario, **partners)
     hands: list[tuple[float, float]] = []
     forces: list[float] = []
