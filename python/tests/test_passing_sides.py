@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import argparse
 import importlib
+import io
 import math
 import pathlib
+import pickle
 import sys
 import types
+import zipfile
 
 import numpy as np
 import pytest
@@ -257,3 +261,223 @@ def test_closed_form_intervals_of_the_tournament(monkeypatch):
     assert tournament.share_interval(10, 10) == pytest.approx((1 / (1 + 1.959964**2 / 10), 1.0))
     assert tournament.mean_interval([2.0, 2.0, 2.0]) == (2.0, 2.0, 2.0)
     assert np.isnan(tournament.mean_interval([])[0])
+
+
+@pytest.fixture
+def network(monkeypatch):
+    monkeypatch.syspath_prepend(str(FOLDER))
+    return importlib.import_module("learned_network")
+
+
+@pytest.fixture
+def learned(monkeypatch):
+    monkeypatch.syspath_prepend(str(FOLDER))
+    return importlib.import_module("learned_planner")
+
+
+def small_network(network, features=8, hidden=4, latents=2, layers=2, observed=2, scale=0.5):
+    """A network of random parameters."""
+    generator = np.random.default_rng(7)
+    shapes = network.parameter_shapes(features, hidden, latents, layers)
+    return network.Vrnn({name: scale * generator.standard_normal(shape) for name, shape in shapes.items()}, observed)
+
+
+def slow_sequence(parameters, layers, observed, inputs, noise):
+    """One sequence of a VRNN by plain loops over numbers, from its equations."""
+
+    def linear(name, values):
+        return affine(parameters[f"{name}.weight"], parameters[f"{name}.bias"], values)
+
+    def affine(weight, bias, values):
+        assert len(weight[0]) == len(values)
+        return [sum(float(w) * v for w, v in zip(row, values)) + float(b) for row, b in zip(weight, bias)]
+
+    def relu(values):
+        return [value if value > 0.0 else 0.0 for value in values]
+
+    def logistic(value):
+        return 1.0 / (1.0 + math.exp(-value))
+
+    size = len(parameters["emb_x.0.bias"])
+    states = [[0.0] * size for _ in range(layers)]
+    found = []
+    for step, drawn in enumerate(noise):
+        top = states[-1]
+        if step < observed:
+            phi_x = relu(linear("emb_x.2", relu(linear("emb_x.0", list(inputs[step])))))
+            features, kind = relu(linear("enc.2", relu(linear("enc.0", phi_x + top)))), "enc"
+        else:
+            features, kind = relu(linear("prior.2", relu(linear("prior.0", top)))), "prior"
+        mean, logarithm = linear(f"{kind}_mean", features), linear(f"{kind}_std", features)
+        latent = [m + math.sqrt(math.exp(v)) * e for m, v, e in zip(mean, logarithm, drawn)]
+        phi_z = relu(linear("emb_z.0", latent))
+        output = linear("dec.2", relu(linear("dec.0", phi_z + top)))
+        if step >= observed:
+            phi_x = relu(linear("emb_x.2", relu(linear("emb_x.0", output))))
+        given = phi_x + phi_z
+        for layer in range(layers):
+            a = affine(parameters[f"gru.weight_ih_l{layer}"], parameters[f"gru.bias_ih_l{layer}"], given)
+            b = affine(parameters[f"gru.weight_hh_l{layer}"], parameters[f"gru.bias_hh_l{layer}"], states[layer])
+            new = []
+            for unit in range(size):
+                reset = logistic(a[unit] + b[unit])
+                update = logistic(a[size + unit] + b[size + unit])
+                candidate = math.tanh(a[2 * size + unit] + reset * b[2 * size + unit])
+                new.append((1.0 - update) * candidate + update * states[layer][unit])
+            states[layer] = given = new
+        found.append(output)
+    return found
+
+
+@pytest.mark.parametrize("layers", [1, 2, 3])
+def test_a_network_is_its_equations_by_plain_loops(network, layers):
+    small = small_network(network, features=3, hidden=5, latents=2, layers=layers, observed=3)
+    generator = np.random.default_rng(0)
+    inputs, noise = generator.standard_normal((4, 3)), generator.standard_normal((6, 9, 2))
+    found = small.sample(inputs, noise)
+    slow = [slow_sequence(small.parameters, layers, 3, inputs, drawn) for drawn in noise]
+    assert found == pytest.approx(np.array(slow), abs=1e-13)
+    # what is given after the observed steps is not seen
+    assert np.array_equal(found, small.sample(inputs + 9.0 * (np.arange(4) == 3)[:, np.newaxis], noise))
+    # every sequence may have its own inputs
+    assert small.sample(np.stack([inputs] * 6), noise) == pytest.approx(found, abs=1e-14)
+    with pytest.raises(ValueError, match="2 steps of inputs; 3 are to be observed"):
+        small.sample(inputs[:2], noise)
+
+
+def test_closed_form_a_network_that_decodes_its_bias_alone_repeats_it(network, learned):
+    small = small_network(network, scale=0.0)
+    small.parameters["dec.2.bias"][:2] = (2.0, -1.0)
+    history = np.array([(7.0 + i, 20.0, math.pi) for i in range(4)])
+    ways = learned.predicted_ways(small, history, np.array([[300.0, 300.0]]), np.array([900.0, 300.0]), np.ones((2, 8, 2)))
+    # eight steps, three of which are the history's
+    expected = [(10.0 + 2.0 * i, 20.0 - i) for i in range(1, 6)]
+    assert ways == pytest.approx(np.array([expected, expected]))
+
+
+def test_a_parameter_of_another_shape_is_named(network):
+    shapes = network.parameter_shapes(8, 4, 2, 2)
+    good = {name: np.zeros(shape) for name, shape in shapes.items()}
+    assert (network.Vrnn(good, 6).hidden, network.Vrnn(good, 6).latents, network.Vrnn(good, 6).layers) == (4, 2, 2)
+    with pytest.raises(ValueError, match=r"dec.0.weight of a VRNN has the shape \(4, 7\), not \(4, 8\)"):
+        network.Vrnn(good | {"dec.0.weight": np.zeros((4, 7))}, 6)
+    with pytest.raises(ValueError, match="prior.2.bias of a VRNN has the shape None"):
+        network.Vrnn({name: value for name, value in good.items() if name != "prior.2.bias"}, 6)
+    with pytest.raises(ValueError, match="of a VRNN"):
+        network.Vrnn({}, 6)
+
+
+def written(monkeypatch, path, content):
+    """Writes a file as PyTorch does: arrays are tensors that share no storage but have an offset and transposed strides."""
+    utilities = types.ModuleType("torch._utils")
+    utilities._rebuild_tensor_v2 = lambda *_: None
+    utilities._rebuild_tensor_v2.__module__ = "torch._utils"
+    utilities._rebuild_tensor_v2.__qualname__ = "_rebuild_tensor_v2"
+    torch = types.ModuleType("torch")
+    torch.FloatStorage = type("FloatStorage", (), {"__module__": "torch"})
+    monkeypatch.setitem(sys.modules, "torch", torch)
+    monkeypatch.setitem(sys.modules, "torch._utils", utilities)
+
+    class Storage:
+        def __init__(self, values):
+            self.values = values
+
+    class Pickler(pickle.Pickler):
+        def persistent_id(self, item):
+            if not isinstance(item, Storage):
+                return None
+            archive.writestr(f"archive/data/{len(archive.namelist())}", item.values.astype("<f4").tobytes())
+            key = archive.namelist()[-1].rsplit("/", 1)[-1]
+            return ("storage", torch.FloatStorage, key, "cpu", len(item.values))
+
+        def reducer_override(self, item):
+            if not isinstance(item, np.ndarray):
+                return NotImplemented
+            # column by column, after one number that is not the tensor's
+            storage = Storage(np.concatenate([[99.0], item.T.ravel()]))
+            strides = (1,) if item.ndim == 1 else (1, item.shape[0])
+            return utilities._rebuild_tensor_v2, (storage, 1, item.shape, strides, False, {})
+
+    with zipfile.ZipFile(path, "w") as archive:
+        buffer = io.BytesIO()
+        Pickler(buffer, 2).dump(content)
+        archive.writestr("archive/data.pkl", buffer.getvalue())
+
+
+def test_a_checkpoint_is_read_without_pytorch(monkeypatch, network, tmp_path):
+    small = small_network(network)
+    settings = argparse.Namespace(H=30, skip=5, include_actions=False)
+    content = {"state_dict": small.parameters, "hyper_parameters": {"hparams": settings}, "epoch": 1}
+    written(monkeypatch, tmp_path / "model.ckpt", content)
+    found = network.Vrnn.read(tmp_path / "model.ckpt")
+    assert found.observed == 6 and found.parameters.keys() == small.parameters.keys()
+    for name, value in small.parameters.items():
+        assert np.array_equal(found.parameters[name], value.astype(np.float32)), name
+
+
+def test_a_checkpoint_that_names_anything_else_is_refused_and_nothing_runs(monkeypatch, network, tmp_path):
+    with zipfile.ZipFile(tmp_path / "bad.ckpt", "w") as archive:
+        archive.writestr("archive/data.pkl", b"cbuiltins\nexec\n(S'raise SystemExit'\ntR.")
+    with pytest.raises(ValueError, match=r"bad.ckpt: no file of PyTorch that can be read: it names builtins.exec"):
+        network.Vrnn.read(tmp_path / "bad.ckpt")
+    (tmp_path / "text.ckpt").write_text("no archive")
+    with pytest.raises(ValueError, match="text.ckpt: no file of PyTorch"):
+        network.Vrnn.read(tmp_path / "text.ckpt")
+    settings = argparse.Namespace(H=30, skip=5, include_actions=True)
+    content = {"state_dict": small_network(network).parameters, "hyper_parameters": {"hparams": settings}}
+    written(monkeypatch, tmp_path / "actions.ckpt", content)
+    with pytest.raises(ValueError, match="its network takes actions"):
+        network.Vrnn.read(tmp_path / "actions.ckpt")
+
+
+def test_closed_form_features_and_score_of_the_learned_planner(learned):
+    history = np.array([(100.0, 100.0, math.pi), (104.0, 103.0, math.atan2(0.8, -0.6)), (104.0, 103.0, math.pi / 2)])
+    found = learned.network_features(history, np.array([[900.0, 0.0], [180.0, 108.0]]), np.array([500.0, 100.0]))
+    # seen by the robot's heading, that from the object to the robot, behind
+    assert found[0] == pytest.approx([4.0, 3.0, 0.4, 0.8, -50.0, 0.0, -10.0, -1.0], abs=1e-12)
+    assert found[1] == pytest.approx([0.0, 0.0, 0.6, 0.2, -30.0, -39.375, -5.2, -7.975], abs=1e-12)
+    way = np.array([[3000.0, 4000.0], [3000.0, 4300.0]])
+    near = math.exp(-0.5)
+    assert learned.score(way, np.array([[3050.0, 4000.0]]), way[0]) == pytest.approx(-0.2 + 1.0 + near - near)
+    beside = np.array([[550.0, 5000.0]])
+    assert learned.score(beside, np.empty((0, 2)), np.array([9e3, 9e3])) == pytest.approx(-0.1 - near)
+    assert learned.score(beside, np.empty((0, 2)), np.array([9e3, 9e3]), learned.WINDOW_PX) == pytest.approx(-0.1)
+
+
+def test_closed_form_the_window_is_the_floor_of_the_room(learned):
+    assert learned.ROOM.to_window([(-2.71, 1.42), (2.85, -1.36)]) == pytest.approx(np.array([(0, 0), (1200, 600)]))
+    points = np.random.default_rng(0).uniform(-2, 2, (5, 2))
+    assert learned.ROOM.from_window(learned.ROOM.to_window(points)) == pytest.approx(points)
+    positions = np.array([(0.0, 0.0), (3.0, 4.0)])
+    assert learned.tracking_cost(positions, np.zeros(2), 2) == pytest.approx([0.0, 5.0 * 0.95**2])
+
+
+def test_the_history_has_fifteen_states_a_second_and_begins_full(network, learned):
+    planner = learned.LearnedPlanner(small_network(network), None)
+    planner._remember(0.0, np.array([0.0, 0.0, 3.1]))
+    assert planner.history.shape == (31, 3) and np.ptp(planner.history, axis=0).max() == 0.0
+    planner._remember(0.2, np.array([0.3, 0.0, -3.1]))
+    assert planner.history.shape == (31, 3)
+    turn = (2.0 * math.pi - 6.2) / 3.0
+    assert planner.history[-4:] == pytest.approx(np.array([(0.1 * i, 0.0, 3.1 + turn * i) for i in range(4)]))
+    planner._remember(0.2, np.array([9.0, 9.0, 9.0]))  # the same moment again
+    assert planner.history[-1, 0] == pytest.approx(0.3)
+
+
+def test_the_learned_planner_carries_deterministically_and_through_snapshots(network, learned, scenes):
+    scenario = cocarry.Scenario(cocarry.World(FOLDER / "room.toml"), plant="rapier", seed=3, speed_m_per_s=0.3)
+    small = small_network(network, scale=0.0)
+    # it predicts 4 pixels ahead in 1/15 s, 0.28 m/s
+    small.parameters["dec.2.bias"][0] = 4.0
+
+    def made():
+        return learned.LearnedPlanner(small, scenes.OnePost((0.0, 0.0), (2.5, 0.0)), seed=3)
+
+    whole = cocarry.Episode(scenario, policy=made())
+    whole.run(12)
+    first = cocarry.Episode(scenario, policy=made())
+    first.run(6)
+    second = cocarry.Episode.resume(first.snapshot(), policy=made())
+    second.run(6)
+    assert second.tick == whole.tick
+    assert whole.position[0] > -2.5 + 0.2 and abs(whole.position[1]) < 0.2

@@ -82,12 +82,8 @@ class VanillaMpc(cocarry.Policy):
             plan = np.zeros((self.mppi.horizon, 2))
         else:
             held = _in_frame(pose, position)
-            self.mppi.command(
-                pose,
-                (max(0.0, float(velocity @ facing)), self.rate),
-                lambda poses: self._running_cost(poses, held, obstacle, goal, human_velocity),
-                lambda poses: goal_cost(carried_position(poses, held), goal),
-            )
+            inputs = max(0.0, float(velocity @ facing)), self.rate
+            self._improve(pose, inputs, held, obstacle, goal, human_velocity)
             plan = self.mppi.plan
         way = planned_poses(pose, plan, self.mppi.period)
         self.last, self.heading, self.rate = seen, float(way[0, 2]), float(plan[0, 1])
@@ -99,6 +95,17 @@ class VanillaMpc(cocarry.Policy):
             return np.zeros(2), np.zeros(2)
         period = seen.time_s - self.last.time_s
         return (seen.grasp - self.last.grasp) / period, (seen.hand - self.last.hand) / period
+
+    def _improve(
+        self, pose: Floats, inputs: tuple[float, float], held: Floats, obstacle: Floats, goal: Floats, human_velocity: Floats
+    ) -> None:
+        """Improves the plan, from a pose (3,) of the robot's end and its inputs at present; `held` as in `_running_cost`."""
+        self.mppi.command(
+            pose,
+            inputs,
+            lambda poses: self._running_cost(poses, held, obstacle, goal, human_velocity),
+            lambda poses: goal_cost(carried_position(poses, held), goal),
+        )
 
     def _running_cost(self, poses: Floats, held: Floats, obstacle: Floats, goal: Floats, human_velocity: Floats) -> Floats:
         """The cost of poses (n, 3) of the robot's end, with the object's centre at `held` (2,), m, in their frame."""

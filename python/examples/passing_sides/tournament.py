@@ -1,6 +1,7 @@
 """The passing-side policies against the built-in ones: success, time and the hand's acceleration, with 95 % intervals.
 
     python python/examples/passing_sides/tournament.py --seeds 20 --processes 2
+    python python/examples/passing_sides/tournament.py --seeds 20 --policies learned ic-mpc --weights model.ckpt
 
 Every policy carries with the same humans of the same seeds, in bodies (rapier), at most at the speed of the paper's
 robot, 0.3 m/s. An episode succeeds once the object's centre is within 0.25 m of B, where the paper's robot stops, unless
@@ -21,6 +22,7 @@ import cocarry
 import numpy as np
 
 from force_partner import ForcePartner, option_paths
+from learned_planner import SCORE_WALLS_PX, WINDOW_PX, LearnedPlanner
 from passing_inference import Floats
 from passing_policies import IcMpc, VanillaMpc
 from scenes import OnePost, Scene, Walls
@@ -30,6 +32,13 @@ WORLDS = ["room", "environment-1", "environment-2", "environment-3", "environmen
 HUMANS = ["force", "scripted", "boltzmann", "preference"]
 #: The policies of the paper, as published, and with base and object kept clear of all walls.
 OTHERS: dict[str, type[VanillaMpc]] = {"ic-mpc": IcMpc, "vanilla-mpc": VanillaMpc, "ic-mpc-walls": IcMpc, "vanilla-mpc-walls": VanillaMpc}
+#: Walls of the score, pixels, and heading of an object that points at the human, rad: the learned planner as published,
+#: with the score's walls at the window's sides, and as if the two carried side by side. All need a file of weights.
+LEARNED: dict[str, tuple[tuple[float, float], float]] = {
+    "learned": (SCORE_WALLS_PX, math.pi),
+    "learned-sides": (WINDOW_PX, math.pi),
+    "learned-beside": (SCORE_WALLS_PX, math.pi / 2.0),
+}
 POLICIES = [*OTHERS, "mutual", "mutual-learns", "follow-hand", "human-led", "robot-led"]
 SPEED_M_PER_S = 0.3
 SUCCESS_DISTANCE_M = 0.25
@@ -49,6 +58,8 @@ class Cell:
     human: str
     policy: str
     seed: int
+    #: The checkpoint of the learned planner.
+    weights: str | None = None
 
 
 @dataclass(frozen=True)
@@ -73,7 +84,7 @@ def play(cell: Cell) -> Result:
     draws = np.random.default_rng([cell.seed, 43])
     preferred, patience_ns = int(draws.integers(len(options))), float(draws.uniform(10.0, 80.0))
     model = {"scripted": f"scripted(0:{options[preferred]})", "boltzmann": "boltzmann(2)"}.get(cell.human, "preference")
-    built_in: dict[str, Any] = {} if cell.policy in OTHERS else {"method": cell.policy.removesuffix("-learns")}
+    built_in: dict[str, Any] = {} if cell.policy in [*OTHERS, *LEARNED] else {"method": cell.policy.removesuffix("-learns")}
     scenario = cocarry.Scenario(
         world,
         plant="rapier",
@@ -101,6 +112,12 @@ def play(cell: Cell) -> Result:
         target = (float(world.target[0]), float(world.target[1]))
         scene: Scene = OnePost((0.0, 0.0), target, walls) if cell.world == "room" or walls is None else walls
         partners["policy"] = OTHERS[cell.policy](scene, cell.seed)
+    if cell.policy in LEARNED:
+        if cell.weights is None or cell.world != "room":
+            raise ValueError(f"{cell.policy} in {cell.world}: it needs --weights, and knows only the room")
+        post = OnePost((0.0, 0.0), (float(world.target[0]), float(world.target[1])))
+        walls_px, heading = LEARNED[cell.policy]
+        partners["policy"] = LearnedPlanner(cell.weights, post, cell.seed, score_walls=walls_px, heading=heading)
     episode = cocarry.Episode(scenario, **partners)
     hands: list[tuple[float, float]] = []
     forces: list[float] = []
@@ -184,12 +201,15 @@ def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument("--worlds", nargs="+", choices=WORLDS, default=["room"])
     arguments.add_argument("--humans", nargs="+", choices=HUMANS, default=HUMANS)
-    arguments.add_argument("--policies", nargs="+", choices=POLICIES, default=POLICIES)
+    arguments.add_argument("--policies", nargs="+", choices=[*POLICIES, *LEARNED], default=POLICIES)
+    arguments.add_argument("--weights", help="the checkpoint of the learned planner, model.ckpt of its authors")
     arguments.add_argument("--seeds", type=int, default=20)
     arguments.add_argument("--processes", type=int, default=1)
     given = arguments.parse_args()
+    if set(LEARNED) & set(given.policies) and (given.weights is None or given.worlds != ["room"]):
+        arguments.error("the learned planner needs --weights, and knows only the room")
     cells = [
-        Cell(world, human, policy, seed)
+        Cell(world, human, policy, seed, given.weights)
         for world in given.worlds
         for human in given.humans
         for policy in given.policies
