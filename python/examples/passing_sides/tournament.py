@@ -20,7 +20,7 @@ from typing import Any
 import cocarry
 import numpy as np
 
-from force_partner import ForcePartner, option_paths
+from force_partner import ForcePartner
 from passing_inference import Floats
 from passing_policies import IcMpc, VanillaMpc
 from scenes import OnePost, Scene, Walls
@@ -89,7 +89,6 @@ def play(cell: Cell) -> Result:
     if cell.human == "force":
         reach_m = 0.45 if cell.world == "room" else 0.6
         partners["human"] = ForcePartner(
-            option_paths(scenario),
             preferred,
             reach_m=reach_m,
             speed_m_per_s=SPEED_M_PER_S,
