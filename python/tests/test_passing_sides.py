@@ -306,6 +306,28 @@ def test_a_policy_without_a_scene_takes_the_walls_of_its_world_and_the_planning_
     assert resumed.tick == expected.tick
 
 
+def test_without_a_scene_the_team_starts_facing_the_way_of_the_robots_option(scenes):
+    policies = importlib.import_module("passing_policies")
+    scenario = cocarry.Scenario("environment-1", plant="rapier", seed=1)
+
+    def starts(policy):
+        seen = []
+
+        def first(view):
+            if view.object is not None:
+                seen.append(view.object[:2, 0])
+            return policy(view)
+
+        cocarry.Episode(scenario, policy=first, human=lambda view: 0).step()
+        return seen[0]
+
+    robots = starts(lambda view: int(view.objective_cost_m.argmin()))
+    humans = starts(lambda view: None)
+    assert abs(robots - humans).max() > 0.1
+    assert starts(lambda view: policies.IcMpc().decide(view)) == pytest.approx(robots)
+    assert starts(lambda view: policies.IcMpc(scenes.Walls(scenario.world)).decide(view)) == pytest.approx(humans)
+
+
 def test_references_are_a_planning_step_apart(monkeypatch):
     monkeypatch.syspath_prepend(str(FOLDER))
     policies = importlib.import_module("passing_policies")

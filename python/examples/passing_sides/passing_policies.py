@@ -47,6 +47,7 @@ class VanillaMpc(cocarry.Policy):
 
     While the human follows, the robot leads on the option on whose side the object is; once the human takes the lead,
     they keep it. The MPC moves the robot either way. On plants without bodies, the human leads.
+    Without a scene, the team starts facing the way of the robot's option; with one, that of the human's.
     """
 
     version = "1.0"
@@ -66,7 +67,9 @@ class VanillaMpc(cocarry.Policy):
     def decide(self, view: cocarry.RobotView) -> cocarry.Decision | None:
         """Who leads, and the reference of the grasp for the next planning steps."""
         if view.grasp is None or view.hand is None or view.object is None:
-            return None
+            # the first step is tried without the robot's grasp: the team starts facing the way of the option led on there
+            is_trial = view.robot is not None and view.grasp is None
+            return cocarry.Decision(Walls(view.world).option(view, LEFT)) if is_trial and self.given_scene is None else None
         if self.given_scene is None:
             self.given_scene = Walls(view.world)
         seen = _Sight(view.time_s, np.asarray(view.grasp[:2, 3]), np.asarray(view.hand[:2, 3]))
