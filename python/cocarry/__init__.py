@@ -45,6 +45,7 @@ from cocarry._partners import Decision, Human, HumanDecision, Policy
 from cocarry._program import fit_eta, fit_risk_weight, reproduce
 from cocarry._register import register_if_installed as _register_if_installed
 from cocarry._study import sweep
+from cocarry._world import Obstacle
 
 __all__ = [
     "ActionError",
@@ -57,6 +58,7 @@ __all__ = [
     "HumanDecision",
     "HandView",
     "HumanView",
+    "Obstacle",
     "Picture",
     "Policy",
     "Preference",

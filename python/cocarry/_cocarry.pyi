@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from typing_extensions import CapsuleType, Self, Unpack, disjoint_base
 
 from cocarry._settings import Settings
+from cocarry._world import Obstacle
 
 _Path: TypeAlias = str | os.PathLike[str]
 _Floats: TypeAlias = NDArray[np.float64]
@@ -90,6 +91,9 @@ class World:
     @property
     def bounds(self) -> _Floats:
         """The corners of the smallest rectangle around everything, (2, 2), m."""
+    @property
+    def obstacles(self) -> list[Obstacle]:
+        """The obstacles, in the order of the file."""
     def options(self, risk_weight_m: float = ...) -> list[str]:
         """The names of its options: the openings in the order in which they are passed."""
     def _repr_svg_(self) -> str: ...
@@ -124,6 +128,19 @@ class Robot:
     @property
     def joint_limits(self) -> _Floats:
         """The limits of the joints, (joints, 2), rad or m."""
+    def grasp(self, configuration: Sequence[float] | _Floats) -> _Floats:
+        """world_from_grasp at a configuration, (4, 4).
+
+        configuration: as ``RobotView.configuration``, (3 + joints,): base x, y (m) and yaw (rad), then the joints (rad,
+            prismatic m)."""
+    def jacobian(self, configuration: Sequence[float] | _Floats) -> _Floats:
+        """The Jacobian of the grasp at a configuration, (6, base + joints): the velocity of the grasp is ``jacobian @ u``,
+        linear (m/s), then angular (rad/s), in world axes, with the inputs u in the order and units of
+        ``input_limits``.
+
+        configuration: as that of ``grasp``."""
+    def __copy__(self) -> Robot: ...
+    def __deepcopy__(self, _memo: Any = None) -> Robot: ...
 
 @final
 class Scenario:
@@ -313,6 +330,15 @@ class View:
     def time_s(self) -> float:
         """Simulated time, s."""
     @property
+    def planning_step_s(self) -> float:
+        """Length of a planning step, s."""
+    @property
+    def world(self) -> World:
+        """The world of the episode: the same object in every view of an episode."""
+    def path(self, option: int) -> _Floats | None:
+        """The remaining path of an option, (n, 2), m, in the world, from the team to the target; None where no path
+        leads on. option: an index."""
+    @property
     def position(self) -> _Floats:
         """Position of the team, (2,), m."""
     @property
@@ -336,9 +362,9 @@ class View:
 class RobotView(View):
     """What a custom policy sees at the beginning of a planning step: that of View, and the robot."""
 
-    def path(self, option: int) -> _Floats | None:
-        """The remaining path of an option, (n, 2), m, from the team to the target; None where no path leads
-        on."""
+    @property
+    def robot(self) -> Robot | None:
+        """The robot of the episode: the same object in every view of an episode; None on the point plant."""
     @property
     def stubbornness(self) -> float:
         """phi(k), eq. (5)."""
@@ -393,14 +419,20 @@ class HandView:
     def periods(self) -> int:
         """The number of control periods in a planning step."""
     @property
+    def control_period_s(self) -> float:
+        """Length of a control period, s."""
+    @property
     def begun_at(self) -> _Floats:
         """Position of the hand at the beginning of the planning step (x, y), without sway, m."""
     @property
     def hand(self) -> _Floats:
         """Position of the hand (x, y), without sway, m."""
     @property
+    def heading_rad(self) -> float:
+        """Direction in which the hand faces, without sway: its yaw in the world, rad."""
+    @property
     def hand_wrench(self) -> _Floats | None:
-        """Mean wrench of the human on the object in this planning step so far, world axes, N and Nm."""
+        """Mean force (N) and torque (Nm) of the human on the object in this planning step so far, (6,), world axes."""
 
 @final
 class Preference:

@@ -2,10 +2,12 @@
 
 use crate::arguments;
 use crate::error::{RobotError, raise};
+use crate::partners::matrix;
 use crate::value::repr;
-use cocarry::robot;
+use cocarry::geometry::{PlanarPose, Point};
+use cocarry::robot::{self, Configuration, JointVector};
 use cocarry::suggestion;
-use numpy::{PyArray1, PyArray2};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -71,8 +73,66 @@ impl Robot {
         Ok(PyArray2::from_vec2(py, &limits)?)
     }
 
+    /// world_from_grasp at a configuration, (4, 4).
+    ///
+    /// configuration: as ``RobotView.configuration``, (3 + joints,): base x, y (m) and yaw (rad), then the joints (rad,
+    ///     prismatic m).
+    fn grasp<'py>(
+        &self,
+        py: Python<'py>,
+        configuration: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        matrix(py, &self.robot.grasp_pose(&self.configuration(configuration)?))
+    }
+
+    /// The Jacobian of the grasp at a configuration, (6, base + joints): the velocity of the grasp is ``jacobian @ u``,
+    /// linear (m/s), then angular (rad/s), in world axes, with the inputs u in the order and units of
+    /// ``input_limits``.
+    ///
+    /// configuration: as that of ``grasp``.
+    fn jacobian<'py>(
+        &self,
+        py: Python<'py>,
+        configuration: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let there = self.robot.kinematics(&self.configuration(configuration)?);
+        let inputs = self.robot.drive.inputs() + self.robot.joints.len();
+        let row = |row| (0..inputs).map(|column| there.jacobian[(row, column)]).collect();
+        Ok(PyArray2::from_vec2(py, &(0..6).map(row).collect::<Vec<Vec<f64>>>())?)
+    }
+
+    /// A robot never changes.
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    #[pyo3(signature = (_memo = None))]
+    fn __deepcopy__(slf: Py<Self>, _memo: Option<&Bound<'_, PyAny>>) -> Py<Self> {
+        slf
+    }
+
     fn __repr__(&self) -> String {
         format!("<cocarry.Robot {:?}, {} joints>", self.robot.name, self.robot.joints.len())
+    }
+}
+
+impl Robot {
+    /// The configuration of an argument.
+    fn configuration(&self, given: &Bound<'_, PyAny>) -> PyResult<Configuration> {
+        let count = self.robot.joints.len();
+        let numbers = given.extract::<PyReadonlyArray1<'_, f64>>().map(|array| array.as_array().to_vec());
+        let numbers = numbers.ok().or_else(|| given.extract::<Vec<f64>>().ok());
+        let numbers = numbers.filter(|q| q.len() == 3 + count && q.iter().all(|number| number.is_finite()));
+        let Some(q) = numbers else {
+            return Err(RobotError::new_err(format!(
+                "configuration = {}; it must be {} finite numbers: the base's x, y (m) and yaw (rad), then {count} joints (rad, prismatic m)",
+                repr(given),
+                3 + count
+            )));
+        };
+        let mut joints = JointVector::zeros();
+        joints.iter_mut().zip(&q[3..]).for_each(|(joint, number)| *joint = *number);
+        Ok(Configuration { base: PlanarPose { position: Point::new(q[0], q[1]), yaw: q[2] }, joints })
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::arguments;
 use crate::error::{WorldError, raise};
 use crate::value::repr;
-use cocarry::geometry::Point;
+use cocarry::geometry::{Footprint, Point};
 use cocarry::options::OptionSet;
 use cocarry::preference::{Predictor, RISK_WEIGHT};
 use cocarry::world;
@@ -11,6 +11,7 @@ use cocarry_maps::Ends;
 use cocarry_output::drawing::{self, Sheet};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList, PyTuple};
 use std::path::{Path, PathBuf};
 
 /// A world: obstacles, openings, start and target. Shows itself as its map in a notebook.
@@ -98,6 +99,17 @@ impl World {
         Ok(PyArray2::from_vec2(py, &corners)?)
     }
 
+    /// The obstacles, in the order of the file.
+    #[getter]
+    fn obstacles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        let class = py.import("cocarry._world")?.getattr("Obstacle")?;
+        let list = PyList::empty(py);
+        for obstacle in &self.world.obstacles {
+            list.append(class.call((), Some(&fields(py, obstacle)?))?)?;
+        }
+        Ok(list)
+    }
+
     /// The names of its options: the openings in the order in which they are passed.
     #[pyo3(signature = (risk_weight_m = RISK_WEIGHT))]
     fn options(
@@ -113,7 +125,8 @@ impl World {
         let mut choice = Default::default();
         let prospects = cocarry::episode::prospects(&options, &options.begin());
         predictor.predict(&prospects, &mut choice);
-        drawing::world_map(&self.world, &options, choice.probabilities(), Sheet::default()).map_err(|e| raise::<WorldError>(&e))
+        drawing::world_map(&self.world, &options, choice.probabilities(), Sheet::default())
+            .map_err(|e| raise::<WorldError>(&e))
     }
 
     fn __repr__(&self) -> String {
@@ -130,6 +143,40 @@ impl World {
     pub fn option_set(&self, risk_weight: f64) -> PyResult<OptionSet> {
         OptionSet::new(&self.world, risk_weight).map_err(|e| raise::<WorldError>(&e))
     }
+}
+
+/// The fields of an obstacle's Python class.
+fn fields<'py>(py: Python<'py>, obstacle: &world::Obstacle) -> PyResult<Bound<'py, PyDict>> {
+    let point = |[x, y]: [f64; 2]| PyArray1::from_slice(py, &[x, y]);
+    let disc = obstacle.footprints().find_map(|part| match part {
+        Footprint::Disc { center, radius } => Some((*center, *radius)),
+        Footprint::Polygon(_) => None,
+    });
+    let rectangle = obstacle.rectangle();
+    let center = rectangle.map(|(center, ..)| center).or(disc.map(|(center, _)| center));
+    let parts: Vec<_> = obstacle.footprints().filter_map(Footprint::corners).map(<[Point]>::to_vec).collect();
+    // an outline is there of a concave one alone
+    let rings = obstacle.outline.as_ref().map_or(parts.as_slice(), |outline| outline.rings());
+    let fields = PyDict::new(py);
+    fields.set_item("name", &obstacle.name)?;
+    fields.set_item("shape", obstacle.shape_name())?;
+    fields.set_item("height_m", obstacle.height)?;
+    fields.set_item("center", center.map(|center| point([center.x, center.y])))?;
+    fields.set_item("size", rectangle.map(|(_, size, _)| point(size)))?;
+    fields.set_item("yaw_rad", rectangle.map(|(.., yaw)| yaw))?;
+    fields.set_item("radius_m", disc.map(|(_, radius)| radius))?;
+    fields.set_item("rings", corners(py, rings)?)?;
+    fields.set_item("parts", corners(py, &parts)?)?;
+    Ok(fields)
+}
+
+/// The corners of polygons, each (n, 2).
+fn corners<'py>(py: Python<'py>, polygons: &[Vec<Point>]) -> PyResult<Bound<'py, PyTuple>> {
+    let array = |polygon: &Vec<Point>| {
+        let rows: Vec<_> = polygon.iter().map(|corner| vec![corner.x, corner.y]).collect();
+        PyArray2::from_vec2(py, &rows)
+    };
+    PyTuple::new(py, polygons.iter().map(array).collect::<Result<Vec<_>, _>>()?)
 }
 
 /// The world of an argument: a name, a file or a world.

@@ -107,6 +107,86 @@ def test_a_map_is_a_world(tmp_path: pathlib.Path) -> None:
         cocarry.World.from_map(tmp_path / "map.yaml", (0.2, 2.0), (6.0, 2.5))
 
 
+def area(corners: np.ndarray) -> float:
+    """The area of a polygon; negative if its corners are clockwise."""
+    x, y = corners.T
+    return float(0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
+
+
+def test_a_world_has_its_obstacles() -> None:
+    text = """
+name = "Shapes"
+robot_width_m = 0.5
+start_m = [97.0, 0.0]
+target_m = [115.0, 0.0]
+origin_m = [100.0, 0.0]
+[[obstacle]]
+name = "box"
+shape = "box"
+center_m = [101.0, 2.0]
+size_m = [4.0, 2.0]
+yaw_deg = 30.0
+height_m = 1.5
+[[obstacle]]
+name = "post"
+shape = "cylinder"
+center_m = [103.0, -3.0]
+radius_m = 0.25
+height_m = 2.0
+[[obstacle]]
+name = "triangle"
+shape = "polygon"
+vertices_m = [[108.0, 0.0], [108.0, 1.0], [107.0, 0.0]]
+height_m = 1.0
+[[obstacle]]
+name = "corner"
+shape = "polygon"
+vertices_m = [[108.0, 3.0], [111.0, 3.0], [111.0, 4.0], [109.0, 4.0], [109.0, 6.0], [108.0, 6.0]]
+height_m = 1.0
+[[obstacle]]
+name = "frame"
+shape = "polygon"
+vertices_m = [[106.0, -7.0], [110.0, -7.0], [110.0, -3.0], [106.0, -3.0]]
+holes_m = [[[107.0, -6.0], [109.0, -6.0], [109.0, -4.0], [107.0, -4.0]]]
+height_m = 1.0
+[[obstacle]]
+name = "room"
+shape = "room"
+vertices_m = [[94.0, -9.0], [119.0, -9.0], [119.0, 9.0], [94.0, 9.0]]
+height_m = 2.5
+[[option]]
+name = "all"
+openings = []
+"""
+    world = cocarry.World.parse(text)
+    obstacles = {obstacle.name: obstacle for obstacle in world.obstacles}
+    assert [*obstacles] == ["box", "post", "triangle", "corner", "frame", "room"]
+    box, post, triangle, corner, frame, room = obstacles.values()
+    assert [obstacle.shape for obstacle in obstacles.values()] == ["box", "cylinder", *3 * ["polygon"], "room"]
+    assert [obstacle.height_m for obstacle in obstacles.values()] == [1.5, 2.0, 1.0, 1.0, 1.0, 2.5]
+    # coordinates are relative to origin_m, as those of the start are
+    assert world.start.tolist() == [-3.0, 0.0]
+    assert box.center.tolist() == [1.0, 2.0] and box.size.tolist() == [4.0, 2.0] and box.yaw_rad == np.radians(30.0)
+    assert post.center.tolist() == [3.0, -3.0] and post.radius_m == 0.25 and post.rings == post.parts == ()
+    assert box.radius_m is None and post.size is None and post.yaw_rad is None
+    assert room.center is None and corner.center is None
+    turn = np.array([[np.cos(np.pi / 6), np.sin(np.pi / 6)], [-np.sin(np.pi / 6), np.cos(np.pi / 6)]])
+    expected = np.array([(-2.0, -1.0), (2.0, -1.0), (2.0, 1.0), (-2.0, 1.0)]) @ turn + box.center
+    np.testing.assert_allclose(box.parts[0], expected, atol=1e-12)
+    np.testing.assert_array_equal(box.rings[0], box.parts[0])
+    assert sorted(map(tuple, triangle.parts[0])) == [(7.0, 0.0), (8.0, 0.0), (8.0, 1.0)]
+    # rings have the obstacle on their left: those round holes count negative
+    for obstacle, size, rings in [(box, 8.0, 1), (triangle, 0.5, 1), (corner, 5.0, 1), (frame, 12.0, 2), (room, None, 2)]:
+        assert len(obstacle.rings) == rings
+        whole = sum(map(area, obstacle.rings))
+        assert sum(map(area, obstacle.parts)) == pytest.approx(whole) and min(map(area, obstacle.parts)) > 0
+        assert size is None or whole == pytest.approx(size)
+    assert min(map(area, room.rings)) == pytest.approx(-25.0 * 18.0)
+    with pytest.raises(AttributeError):
+        box.yaw_rad = 0.0
+    assert copy.deepcopy(world.obstacles)[0].name == pickle.loads(pickle.dumps(box)).name == "box"
+
+
 def test_ticks_have_the_quantities():
     episode = cocarry.Episode(example())
     with pytest.raises(cocarry.Error, match="no tick before its first step"):

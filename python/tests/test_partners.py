@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pathlib
 import pickle
+import subprocess
+import sys
 import tempfile
 
 import numpy as np
@@ -291,9 +293,121 @@ def test_a_policy_sees_the_paths_of_the_options_and_nothing_of_the_humans_choice
     assert abs(np.linalg.norm(np.diff(path, axis=0), axis=1).sum() - seen["length"]) < 0.01
     # as `cocarry::policy::RobotView`: stance, phi and g of the human, no option, alpha or gamma
     assert seen["names"] == {
-        "step", "time_s", "position", "path", "executed", "mode", "stance", "stubbornness", "discomfort",
+        "step", "time_s", "planning_step_s", "world", "robot", "position", "path", "executed", "mode", "stance", "stubbornness", "discomfort",
         "configuration", "grasp", "object", "hand", "grip_wrench", "hand_wrench",
     }
+
+
+@pytest.mark.parametrize("plant", PLANTS)
+def test_views_have_the_world_the_planning_step_and_paths(plant):
+    seen, felt = [], []
+
+    def policy(view):
+        seen.append((view.world, view.planning_step_s, view.robot, view.time_s, [view.path(i) for i in range(len(view))]))
+        return None if view.stance == "take-over" else int(view.objective_cost_m.argmin())
+
+    class Walks(cocarry.Human):
+        def decide(self, view):
+            felt.append((view.world, view.planning_step_s, view.position, [view.path(i) for i in range(len(view))]))
+            with pytest.raises(cocarry.Error, match=f"option = {len(view)}; it must be from 0 to {len(view) - 1}"):
+                view.path(len(view))
+            return int(view.subjective_cost(0.747, 0.765).argmin())
+
+    scenario = example(plant, planning_step_s=0.25)
+    cocarry.Episode(scenario, policy=policy, human=Walks()).run(4)
+    steps = seen[-4:]  # before them the first step was tried
+    for (world, step_s, robot, time_s, paths), (human_world, human_step_s, position, human_paths), k in zip(steps, felt[-4:], range(4)):
+        assert step_s == human_step_s == 0.25 and time_s == pytest.approx(0.25 * k)
+        assert world is steps[0][0] and human_world is felt[-1][0] and world.text == human_world.text == scenario.world.text
+        assert (robot is None) == (plant == "point") and robot is steps[0][2]
+        assert robot is None or robot.name == scenario.robot.name
+        for path, human_path in zip(paths, human_paths, strict=True):
+            np.testing.assert_array_equal(path, human_path)
+            np.testing.assert_allclose(path[[0, -1]], [position, world.target], atol=1e-9)
+
+
+def test_a_hand_knows_its_control_period_and_where_it_faces():
+    hands, poses = [], []
+
+    class Turns(cocarry.Human):
+        def decide(self, view):
+            poses.append((len(hands), view.hand))
+            return 0
+
+        def hand(self, view):
+            hands.append((view.time_s, view.period, view.periods, view.control_period_s, view.heading_rad))
+
+    cocarry.Episode(example("rapier", planning_step_s=0.2, control_period_s=0.1, sway_m=0.0), human=Turns()).run(6)
+    for (time_s, *_), (next_s, *_) in zip(hands, hands[1:]):
+        assert next_s - time_s == pytest.approx(0.1)
+    assert {(periods, control_s) for _, _, periods, control_s, _ in hands} == {(2, 0.1)}
+    for first, pose in poses[-6:]:
+        assert hands[first][1] == 0  # the first period of the step: nothing has moved since the decision
+        assert hands[first][4] == pytest.approx(np.arctan2(pose[1, 0], pose[0, 0]), abs=1e-3)
+
+
+@pytest.mark.parametrize("drive", ["differential", "omnidirectional"])
+def test_a_robot_has_the_grasp_that_is_seen_and_its_jacobian(drive, tmp_path):
+    if drive == "omnidirectional":  # one of the benchmark's
+        subprocess.run([sys.executable, "-m", "cocarry", "bench", tmp_path / "bench"], check=True)
+    robot = cocarry.Robot("carrier" if drive == "differential" else tmp_path / "bench" / "robots" / "omni-carrier.toml")
+    assert robot.drive == drive
+    seen = []
+
+    def policy(view):
+        if view.configuration is not None:
+            seen.append((view.configuration, view.grasp, view.robot))
+        return int(view.objective_cost_m.argmin())
+
+    cocarry.Episode(example("kinematic", robot=robot), policy=policy).run(10)
+    for configuration, grasp, of_view in seen[::3]:
+        np.testing.assert_allclose(robot.grasp(configuration), grasp, atol=1e-12)
+        np.testing.assert_array_equal(of_view.grasp(list(configuration)), robot.grasp(configuration))
+        jacobian = robot.jacobian(configuration)
+        base = len(robot.input_limits) - len(robot.joints)
+        assert jacobian.shape == (6, base + len(robot.joints))
+        for joint in range(len(robot.joints)):  # central differences
+            step = np.zeros(len(configuration))
+            step[3 + joint] = 1e-6
+            there, before = robot.grasp(configuration + step), robot.grasp(configuration - step)
+            turning = (there - before)[:3, :3] @ grasp[:3, :3].T / 2e-6
+            found = [*(there - before)[:3, 3] / 2e-6, turning[2, 1], turning[0, 2], turning[1, 0]]
+            np.testing.assert_allclose(jacobian[:, base + joint], found, atol=1e-8)
+        # the base turns about its own axis, and goes ahead, or to the left too
+        x, y, yaw = configuration[:3]
+        ahead, arm = np.array([np.cos(yaw), np.sin(yaw)]), np.asarray(grasp[:2, 3]) - (x, y)
+        across = np.array([-arm[1], arm[0]])
+        if robot.drive == "omnidirectional":
+            expected = [[*ahead, 0, 0, 0, 0], [-ahead[1], ahead[0], 0, 0, 0, 0], [*across, 0, 0, 0, 1]]
+        else:
+            rates = jacobian[5, :2]  # rad/s for a rim speed of 1 m/s: one over the track, to the right and to the left
+            assert rates[1] == -rates[0] > 0
+            expected = [[*(0.5 * ahead + rate * across), 0, 0, 0, rate] for rate in rates]
+        np.testing.assert_allclose(jacobian[:, :base].T, expected, atol=1e-12)
+
+
+def test_a_robot_refuses_what_is_no_configuration_of_it():
+    robot = cocarry.Robot()
+    count = 3 + len(robot.joints)
+    for wrong in ([0.0] * (count - 1), [np.nan] * count, "base", None, np.zeros((count, 1))):
+        for ask in (robot.grasp, robot.jacobian):
+            with pytest.raises(cocarry.RobotError, match=f"(?s)^configuration = .*; it must be {count} finite numbers: the base's x, y"):
+                ask(wrong)
+
+
+def test_a_policy_that_keeps_what_a_view_has_is_copied():
+    class Keeps(cocarry.Policy):
+        def decide(self, view):
+            self.kept = view.world, view.world.obstacles, view.robot
+            return int(view.objective_cost_m.argmin())
+
+    policy = Keeps()
+    episode = cocarry.Episode(example("kinematic"), policy=policy)
+    episode.run(3)
+    again = episode.__copy__()
+    again.run(2)
+    episode.run(2)
+    assert again.tick == episode.tick
 
 
 def test_a_hand_has_a_target_in_every_control_period():

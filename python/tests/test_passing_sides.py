@@ -8,7 +8,6 @@ import io
 import math
 import pathlib
 import pickle
-import sys
 import types
 import zipfile
 
@@ -157,7 +156,6 @@ def test_closed_form_a_point_ahead_on_a_path(scenes):
     assert scenes.point_ahead(path, 9.0) == pytest.approx([1.0, 5.0])
 
 
-@pytest.mark.skipif(sys.version_info < (3, 11), reason="Walls reads TOML with Python 3.11's tomllib")
 def test_closed_form_the_nearest_points_of_walls(scenes):
     text = """
 name = "Box and post"
@@ -189,16 +187,65 @@ openings = []
     assert walls.clearance(base, carried) == pytest.approx([1.0, 10.0])
 
 
+def test_closed_form_the_nearest_points_of_polygons_with_holes_and_of_rooms(scenes):
+    text = """
+name = "Corner, ring and room"
+robot_width_m = 0.5
+start_m = [-3.0, 0.0]
+target_m = [5.0, 0.0]
+[[obstacle]]
+name = "corner"
+shape = "polygon"
+vertices_m = [[-1.0, 1.0], [2.0, 1.0], [2.0, 2.0], [0.0, 2.0], [0.0, 4.0], [-1.0, 4.0]]
+height_m = 1.0
+[[obstacle]]
+name = "ring"
+shape = "polygon"
+vertices_m = [[0.0, -5.0], [4.0, -5.0], [4.0, -1.0], [0.0, -1.0]]
+holes_m = [[[1.0, -4.0], [3.0, -4.0], [3.0, -2.0], [1.0, -2.0]]]
+height_m = 1.0
+[[obstacle]]
+name = "room"
+shape = "room"
+vertices_m = [[-6.0, -7.0], [8.0, -7.0], [8.0, 7.0], [-6.0, 7.0]]
+height_m = 1.0
+[[option]]
+name = "all"
+openings = []
+"""
+    walls = scenes.Walls(cocarry.World.parse(text))
+    positions = [(1.0, 3.0), (-0.5, 3.5), (2.0, -2.8), (0.5, -3.0), (7.5, 0.0), (8.1, 0.0), (3.0, 0.0)]
+    points, distances = walls.nearest(positions)
+    assert distances == pytest.approx([1.0, 0.0, 0.8, 0.0, 0.5, 0.0, 1.0])
+    assert points[[1, 3, 4, 5]] == pytest.approx(np.array([(-0.5, 3.5), (0.5, -3.0), (8.0, 0.0), (8.1, 0.0)]))
+    # two are equally near: the point is at that distance, on one of them
+    assert np.hypot(*(points - positions).T) == pytest.approx(distances)
+
+
+def test_closed_form_boxes_are_as_near_as_polygons_of_their_corners(scenes):
+    def walls(obstacles):
+        head = 'name = "Boxes"\nrobot_width_m = 0.5\nstart_m = [-9.0, 0.0]\ntarget_m = [9.0, 0.0]\n'
+        return scenes.Walls(cocarry.World.parse(head + obstacles + '[[option]]\nname = "all"\nopenings = []\n'))
+
+    box = '[[obstacle]]\nname = "box"\nshape = "box"\ncenter_m = [1.0, 2.0]\nsize_m = [4.0, 2.0]\nyaw_deg = 30.0\nheight_m = 1.0\n'
+    turn = np.array([[math.cos(math.pi / 6), math.sin(math.pi / 6)], [-math.sin(math.pi / 6), math.cos(math.pi / 6)]])
+    corners = (np.array([(-2.0, -1.0), (2.0, -1.0), (2.0, 1.0), (-2.0, 1.0)]) @ turn + (1.0, 2.0)).tolist()
+    polygon = f'[[obstacle]]\nname = "box"\nshape = "polygon"\nvertices_m = {corners}\nheight_m = 1.0\n'
+    positions = np.random.default_rng(0).uniform(-5.0, 7.0, (500, 2))
+    for found, expected in zip(walls(polygon).nearest(positions), walls(box).nearest(positions)):
+        assert found == pytest.approx(expected, abs=1e-12)
+
+
 @pytest.fixture
 def partner(monkeypatch):
     monkeypatch.syspath_prepend(str(FOLDER))
     paths = [np.array([(-2.0, 0.0), (0.0, side), (2.0, 0.0)]) for side in (0.7, -0.7)]
-    return importlib.import_module("force_partner").ForcePartner(paths, 0, speed_m_per_s=0.3, damping=100.0, patience_ns=10.0)
+    return importlib.import_module("force_partner").ForcePartner(0, paths=paths, speed_m_per_s=0.3, damping=100.0, patience_ns=10.0)
 
 
 def hand_view(hand=(0.0, 0.7), force=None):
     wrench = None if force is None else np.array([-force[0], -force[1], 0, 0, 0, 0])  # that on the object
-    return types.SimpleNamespace(hand=np.array(hand), hand_wrench=wrench, period=1, periods=2)
+    return types.SimpleNamespace(hand=np.array(hand), hand_wrench=wrench, period=1, control_period_s=0.1)
 
 
 def test_closed_form_a_hand_without_a_force_walks_its_path_and_a_force_adds_its_share_of_the_damping(partner):
@@ -246,6 +293,61 @@ def test_the_policies_carry_deterministically_and_through_snapshots(monkeypatch,
     second.run(6)
     assert second.tick == whole.tick
     assert whole.position[0] > -2.5 + 0.2
+
+
+@pytest.mark.parametrize("plant", ["rapier", "kinematic", "point"])
+def test_a_policy_without_a_scene_takes_the_walls_of_its_world_and_the_planning_step(monkeypatch, scenes, plant):
+    policies = importlib.import_module("passing_policies")
+    scenario = cocarry.Scenario("environment-3", plant=plant, seed=1, speed_m_per_s=0.3, planning_step_s=0.25)
+    found = cocarry.Episode(scenario, policy=policies.IcMpc)
+    found.run(5)
+    expected = cocarry.Episode(scenario, policy=policies.IcMpc(scenes.Walls(scenario.world)))
+    expected.run(5)
+    assert found.tick == expected.tick
+    resumed = cocarry.Episode.resume(found.snapshot(), policy=policies.IcMpc)
+    resumed.run(2)
+    expected.run(2)
+    assert resumed.tick == expected.tick
+
+
+def test_without_a_scene_the_team_starts_facing_the_way_of_the_robots_option(scenes):
+    policies = importlib.import_module("passing_policies")
+    scenario = cocarry.Scenario("environment-1", plant="rapier", seed=1)
+
+    def starts(policy):
+        seen = []
+
+        def first(view):
+            if view.object is not None:
+                seen.append(view.object[:2, 0])
+            return policy(view)
+
+        cocarry.Episode(scenario, policy=first, human=lambda view: 0).step()
+        return seen[0]
+
+    robots = starts(lambda view: int(view.objective_cost_m.argmin()))
+    humans = starts(lambda view: None)
+    assert abs(robots - humans).max() > 0.1
+    assert starts(lambda view: policies.IcMpc().decide(view)) == pytest.approx(robots)
+    assert starts(lambda view: policies.IcMpc(scenes.Walls(scenario.world)).decide(view)) == pytest.approx(humans)
+
+
+def test_references_are_a_planning_step_apart(monkeypatch):
+    monkeypatch.syspath_prepend(str(FOLDER))
+    policies = importlib.import_module("passing_policies")
+    way = policies.planned_poses(np.zeros(3), np.array([[0.2, 0.0]]), 0.25, 0.1)
+    assert way == pytest.approx(np.stack([0.02 * np.arange(1, 9), np.zeros(8), np.zeros(8)], axis=-1))
+    turned = policies.facing_hand(way, np.array([0.0, 1.0]), np.array([0.2, 0.0]), 0.1)
+    assert turned[:, 2] == pytest.approx(np.full(8, math.pi / 2))
+
+
+def test_sweeps_take_the_policies_as_they_are(monkeypatch):
+    monkeypatch.syspath_prepend(str(FOLDER))
+    policies = importlib.import_module("passing_policies")
+    study = {"worlds": ["environment-1", "environment-4"], "plants": "rapier", "seeds": 1, "max_steps": 5}
+    rows = cocarry.sweep(study, policy=[policies.IcMpc, policies.VanillaMpc])
+    found = sorted(zip(rows["world"], rows["method"], rows["steps"]))
+    assert found == [(world, method, 5) for world in study["worlds"] for method in ("ic-mpc", "vanilla-mpc")]
 
 
 def test_a_preferred_side_is_carried_in_the_room_and_counts_as_a_success(monkeypatch):

@@ -3,7 +3,7 @@
 use super::Episode;
 use super::now::Now;
 use crate::coordination::Mode;
-use crate::geometry::Point;
+use crate::geometry::{PlanarPose, Point};
 use crate::human::{HandView, HumanDecision, Stance};
 use crate::policy::{Decision, Lead};
 use crate::team::TurnOutcome;
@@ -52,15 +52,16 @@ impl Episode<'_> {
     /// Where the human's hand goes by the end of a control period, if the human says so; only on plants with
     /// bodies.
     pub(super) fn hand(&mut self, decision: &HumanDecision, period: [u32; 2]) -> Option<Point> {
-        let time = self.now().time + self.settings.control_period() * f64::from(period[0]);
+        let control_period = self.settings.control_period();
+        let time = self.now().time + control_period * f64::from(period[0]);
         let bodies = self.plant.observe().bodies?;
-        let now = bodies.hand_planar.position;
+        let PlanarPose { position: now, yaw: heading } = bodies.hand_planar;
         if period[0] == 0 {
             self.hand_from = now;
             self.hands.clear();
         }
         let (hand, wrench) = ([self.hand_from, now], Some(&bodies.hand_grip.mean));
-        let view = HandView { time, period, decision, hand, wrench };
+        let view = HandView { time, period, control_period, decision, hand, heading, wrench };
         let own = self.human.hand(&view);
         if own.is_some() {
             self.hands.resize(period[0] as usize, None);

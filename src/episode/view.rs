@@ -17,8 +17,10 @@ impl Episode<'_> {
         self.human.decide(&HumanView {
             step,
             time,
+            planning_step: self.settings.planning_step,
             position: self.progress.position,
             options: self.options,
+            progress: &self.progress,
             prospects: &evaluated.prospects,
             evaluated: &prior.options,
             risk_weight: self.predictor.risk_weight(),

@@ -21,7 +21,7 @@ pub use scripted::Scripted;
 
 use crate::coordination::{Mode, OptionTick, Stubbornness};
 use crate::geometry::{Point, Pose};
-use crate::options::OptionSet;
+use crate::options::{OptionSet, Progress};
 use crate::preference::{Perception, Prospect};
 use crate::saved::{RestoreError, Saved};
 use crate::simulation::Wrench;
@@ -70,17 +70,21 @@ pub trait Human: dyn_clone::DynClone + std::fmt::Debug + Send + Sync {
 
 dyn_clone::clone_trait_object!(Human);
 
-/// The human's view at the beginning of a control period.
+/// The human's view at the beginning of a planning step.
 #[derive(Clone, Copy, Debug)]
 pub struct HumanView<'a> {
     /// k, from 0.
     pub step: u64,
     /// Simulated time, s.
     pub time: f64,
+    /// Planning step, s.
+    pub planning_step: f64,
     /// The team's position, m, world frame.
     pub position: Point,
     /// The options of the world.
     pub options: &'a OptionSet,
+    /// The team's progress on each option.
+    pub progress: &'a Progress,
     /// Remaining length D_o (m) and risk S_o of every option, in the order of the options.
     pub prospects: &'a [Prospect],
     /// The options with J_o, P_o and omega_o, in the same order.
@@ -105,10 +109,14 @@ pub struct HandView<'a> {
     pub time: f64,
     /// The index of the control period within the planning step, from 0, and the number of periods in a step.
     pub period: [u32; 2],
+    /// Control period, s.
+    pub control_period: f64,
     /// The decision of this planning step.
     pub decision: &'a HumanDecision,
     /// Position of the hand without its sway, m; at the beginning of the planning step, and now.
     pub hand: [Point; 2],
+    /// The direction in which the hand faces now without its sway, yaw, rad, world frame.
+    pub heading: f64,
     /// The mean wrench of the hand on the object in this planning step so far, world axes, N and Nm.
     pub wrench: Option<&'a Wrench>,
 }

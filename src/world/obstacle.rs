@@ -156,6 +156,14 @@ impl Obstacle {
         }
     }
 
+    /// The rectangle of a box: its centre, its size along and across, m, and its yaw, rad; `None` for another shape.
+    pub fn rectangle(&self) -> Option<(Point, [f64; 2], f64)> {
+        match (self.shape, self.parts.first().map(|part| &part.solid)) {
+            (ShapeEntry::Box, Some(Solid::Box { center, size, yaw })) => Some((*center, *size, *yaw)),
+            _ => None,
+        }
+    }
+
     /// The name of the shape in a world file.
     pub fn shape_name(&self) -> &'static str {
         self.shape.name()

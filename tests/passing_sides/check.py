@@ -297,17 +297,12 @@ with mock.patch.object(torch, "float32", torch.float64):
         library.U, library.u_init = torch.tensor(plan), torch.tensor(last)
         library.noise_dist = types.SimpleNamespace(rsample=lambda shape, noise=noise: torch.tensor(noise))
         library.command(torch.tensor(poses[i]))
-        waypoints = enumerate((way - carried + poses[i, :2])[:: learned.WAYPOINT_STRIDE])
-
-        def following(at: Any, waypoints: Any = waypoints) -> Any:
-            step, waypoint = next(waypoints)
-            return learned.tracking_cost(at[:, :2], waypoint, step)
-
+        waypoints = (way - carried + poses[i, :2])[:: learned.WAYPOINT_STRIDE][: mppi.horizon]
         ours = mppi.improved(
             np.concatenate([plan[1:], last[np.newaxis]]),
             noise,
             poses[i],
-            following,
+            lambda at, waypoints=waypoints: learned.horizon_cost(at, waypoints),
             lambda at: np.zeros(len(at)),
         )
         largest = max(largest, difference(ours, library.U))

@@ -155,7 +155,15 @@ fn closed_form_a_hand_goes_straight_to_the_target_of_its_step() {
     let decision = HumanDecision { hand: Some(Point::new(1.0, 2.0)), ..HumanDecision::following(0) };
     let hand = [Point::new(0.0, 0.0), Point::new(9.0, 9.0)];
     let target = |period| {
-        let view = HandView { time: 0.0, period: [period, 4], decision: &decision, hand, wrench: None };
+        let view = HandView {
+            time: 0.0,
+            period: [period, 4],
+            control_period: 0.05,
+            decision: &decision,
+            hand,
+            heading: 0.0,
+            wrench: None,
+        };
         view.toward_target().expect("a target")
     };
     assert!((target(0) - Point::new(0.25, 0.5)).norm() < 1e-15);

@@ -297,8 +297,10 @@ fn closed_form_boltzmann_choices_have_boltzmann_frequencies() {
         let view = HumanView {
             step: 0,
             time: 0.0,
+            planning_step: Settings::default().planning_step,
             position: options.begin().position,
             options: &options,
+            progress: &options.begin(),
             prospects: &prospects,
             evaluated: &[],
             risk_weight: 10.0,

@@ -18,27 +18,11 @@ from passing_inference import Floats
 from scenes import Walls
 
 
-def option_paths(scenario: cocarry.Scenario) -> list[Floats]:
-    """The paths of all options from the start, (n, 2), m, by asking a policy that is shown them."""
-    paths: list[Floats] = []
-
-    def look(view: cocarry.RobotView) -> int:
-        found = [view.path(option) for option in range(len(view))]
-        paths[:] = [np.asarray(path) for path in found if path is not None]
-        return 0
-
-    point = cocarry.Scenario(scenario.world, plant="point", alpha=scenario.alpha, gamma=scenario.gamma)
-    cocarry.Episode(point, policy=look).step()
-    if len(paths) != len(scenario.options):
-        raise ValueError(f"{scenario.world.name}: an option without a path from the start")
-    return paths
-
-
 class ForcePartner(cocarry.Human):
     """A human who walks their own option by force.
 
-    paths: the path of every option, (n, 2), m, as `option_paths` gives them.
     option: the index of the option that the human prefers at the start.
+    paths: the path of every option, (n, 2), m; by default those of the first view.
     reach_m: how far the hand is ahead of the object's centre, half its length.
     speed_m_per_s: the preferred speed.
     damping: force per speed by which the hand gives way, N s/m.
@@ -64,17 +48,18 @@ class ForcePartner(cocarry.Human):
 
     def __init__(
         self,
-        paths: Sequence[Floats],
         option: int,
         *,
+        paths: Sequence[Floats] | None = None,
         reach_m: float = 0.45,
         speed_m_per_s: float = 0.3,
         damping: float = 150.0,
         patience_ns: float = 40.0,
         walls: Walls | None = None,
     ) -> None:
-        self.paths = [_extended(np.asarray(path, float), reach_m + self.BODY_AHEAD_M) for path in paths]
-        self.option, self.patience_ns, self.walls = option, patience_ns, walls
+        self.option, self.patience_ns, self.walls, self.reach_m = option, patience_ns, walls, reach_m
+        #: The paths, and how they go on for the hand; none before the first decision.
+        self.paths = [] if paths is None else [self._for_hand(path) for path in paths]
         self.speed_m_per_s, self.damping = speed_m_per_s, damping
         self.wrench: Floats | None = None
         #: The direction in which the object is ahead at the hand, of length 1.
@@ -85,6 +70,11 @@ class ForcePartner(cocarry.Human):
 
     def decide(self, view: cocarry.HumanView) -> cocarry.HumanDecision:
         """The option that the human prefers now; phi grows by eq. (5)."""
+        if not self.paths:
+            found = [view.path(option) for option in range(len(view))]
+            if any(path is None for path in found):
+                raise ValueError(f"{view.world.name}: option {found.index(None)} has no path from the start; give paths")
+            self.paths = [self._for_hand(path) for path in found if path is not None]
         if view.hand is not None and view.hand_wrench is not None:
             self.wrench = np.asarray(view.hand_wrench)
             self.facing = view.hand[:2, 0] / math.hypot(*view.hand[:2, 0])
@@ -102,15 +92,12 @@ class ForcePartner(cocarry.Human):
         speed = math.hypot(*velocity)
         if speed > fastest:
             velocity *= fastest / speed
-        target = here + velocity * self.period_s(view)
+        target = here + velocity * view.control_period_s
         return float(target[0]), float(target[1])
 
-    def period_s(self, view: cocarry.HandView) -> float:
-        """Length of a control period, s."""
-        return self.planning_step_s / view.periods
-
-    #: Length of a planning step, s: the views do not tell it.
-    planning_step_s = 0.2
+    def _for_hand(self, path: Floats) -> Floats:
+        """A path that goes on for as long as the human is ahead of the object's centre at its end."""
+        return _extended(np.asarray(path, float), self.reach_m + self.BODY_AHEAD_M)
 
     def _reconsider(self, here: Floats, pull: Floats, passed_s: float) -> None:
         """Takes the option toward which the force pulls, once it has pulled enough."""
@@ -148,12 +135,12 @@ class ForcePartner(cocarry.Human):
         return np.asarray((body - nearest) / distance * 2.0 * (self.CLEAR_M - distance) / (self.CLEAR_M - 0.2))
 
     def save(self) -> bytes:
-        """Option, force borne, and what was felt and seen last."""
-        return pickle.dumps((self.option, self.opposed_ns, self.wrench, self.time_s, self.facing))
+        """Option, force borne, what was felt and seen last, and the paths."""
+        return pickle.dumps((self.option, self.opposed_ns, self.wrench, self.time_s, self.facing, self.paths))
 
     def restore(self, state: bytes) -> None:
         """Restores what `save` returned."""
-        self.option, self.opposed_ns, self.wrench, self.time_s, self.facing = pickle.loads(state)
+        self.option, self.opposed_ns, self.wrench, self.time_s, self.facing, self.paths = pickle.loads(state)
 
 
 def _extended(path: Floats, reach: float) -> Floats:

@@ -133,6 +133,12 @@ def tracking_cost(positions: Floats, waypoint: Floats, step: int) -> Floats:
     return np.asarray(DISCOUNT**step * np.hypot(offset[:, 0], offset[:, 1]))
 
 
+def horizon_cost(poses: Floats, waypoints: Floats) -> Floats:
+    """The costs (steps * samples,) of following waypoints (steps, 2), m, for poses (steps * samples, 3), step by step."""
+    steps = poses.reshape(len(waypoints), -1, poses.shape[-1])
+    return np.concatenate([tracking_cost(at[:, :2], waypoint, i) for i, (at, waypoint) in enumerate(zip(steps, waypoints))])
+
+
 class LearnedPlanner(VanillaMpc):
     """The learned planner: sampling MPC that follows the best of the network's predictions.
 
@@ -198,13 +204,7 @@ class LearnedPlanner(VanillaMpc):
         """Improves the plan: robot's end and object move as the object does in the prediction."""
         way = self._prediction(obstacle, goal) - self.history[-1, :2] + pose[:2]
         waypoints = way[::WAYPOINT_STRIDE][: self.mppi.horizon]
-        steps = iter(range(len(waypoints)))
-
-        def running_cost(poses: Floats) -> Floats:
-            step = next(steps)
-            return tracking_cost(poses[:, :2], waypoints[step], step)
-
-        self.mppi.command(pose, inputs, running_cost, lambda poses: np.zeros(len(poses)))
+        self.mppi.command(pose, inputs, lambda poses: horizon_cost(poses, waypoints), lambda poses: np.zeros(len(poses)))
 
     def save(self) -> bytes:
         """What vanilla MPC saves, the history, and the generator of the latents."""

@@ -24,12 +24,10 @@ import numpy as np
 
 from passing_inference import LEFT, RIGHT, Floats, bearing_around, side_posterior
 from sampling_mpc import Mppi, carried_position, goal_cost, uncertainty_cost, unicycle
-from scenes import Scene
+from scenes import Scene, Walls
 
 #: Number of poses of a reference.
 REFERENCES = 8
-#: Length of a planning step, s: views do not tell it.
-PLANNING_STEP_S = 0.2
 
 
 @dataclass(frozen=True)
@@ -44,11 +42,12 @@ class _Sight:
 class VanillaMpc(cocarry.Policy):
     """Sampling MPC toward the goal and clear of one obstacle, which does not reason about the human.
 
-    scene: the obstacle and the goal: `OnePost` for the paper's, `Walls` for other worlds.
+    scene: the obstacle and the goal: `OnePost` for the paper's; by default `Walls` of the world that the first view has.
     seed: of the samples.
 
     While the human follows, the robot leads on the option on whose side the object is; once the human takes the lead,
     they keep it. The MPC moves the robot either way. On plants without bodies, the human leads.
+    Without a scene, the team starts facing the way of the robot's option; with one, that of the human's.
     """
 
     version = "1.0"
@@ -56,8 +55,8 @@ class VanillaMpc(cocarry.Policy):
     #: The robot stands still once the object's centre is this near to the goal, m.
     STOP_DISTANCE_M = 0.25
 
-    def __init__(self, scene: Scene, seed: int = 0) -> None:
-        self.scene = scene
+    def __init__(self, scene: Scene | None = None, seed: int = 0) -> None:
+        self.given_scene = scene
         self.mppi = Mppi(seed)
         self.last: _Sight | None = None
         #: The heading (rad) in which the robot's end of the object moves, and its turning rate (rad/s).
@@ -68,7 +67,11 @@ class VanillaMpc(cocarry.Policy):
     def decide(self, view: cocarry.RobotView) -> cocarry.Decision | None:
         """Who leads, and the reference of the grasp for the next planning steps."""
         if view.grasp is None or view.hand is None or view.object is None:
-            return None
+            # the first step is tried without the robot's grasp: the team starts facing the way of the option led on there
+            is_trial = view.robot is not None and view.grasp is None
+            return cocarry.Decision(Walls(view.world).option(view, LEFT)) if is_trial and self.given_scene is None else None
+        if self.given_scene is None:
+            self.given_scene = Walls(view.world)
         seen = _Sight(view.time_s, np.asarray(view.grasp[:2, 3]), np.asarray(view.hand[:2, 3]))
         velocity, human_velocity = self._velocities(seen)
         if math.isnan(self.heading):
@@ -85,9 +88,17 @@ class VanillaMpc(cocarry.Policy):
             inputs = max(0.0, float(velocity @ facing)), self.rate
             self._improve(pose, inputs, held, obstacle, goal, human_velocity)
             plan = self.mppi.plan
-        way = planned_poses(pose, plan, self.mppi.period)
+        way = planned_poses(pose, plan, self.mppi.period, view.planning_step_s)
         self.last, self.heading, self.rate = seen, float(way[0, 2]), float(plan[0, 1])
-        return cocarry.Decision(lead=self._lead(view, obstacle, goal), reference=facing_hand(way, seen.hand, human_velocity))
+        reference = facing_hand(way, seen.hand, human_velocity, view.planning_step_s)
+        return cocarry.Decision(lead=self._lead(view, obstacle, goal), reference=reference)
+
+    @property
+    def scene(self) -> Scene:
+        """The scene given, or that of the first view's world."""
+        if self.given_scene is None:
+            raise ValueError("scene: not known before the first decision; give one, or ask afterwards")
+        return self.given_scene
 
     def _velocities(self, seen: _Sight) -> tuple[Floats, Floats]:
         """The velocities (2,) of grasp and hand since the last planning step, m/s."""
@@ -122,7 +133,7 @@ class VanillaMpc(cocarry.Policy):
         return LEFT if bearing_around(obstacle, goal, view.position) >= 0.0 else RIGHT
 
     def save(self) -> bytes:
-        """The plan, the generator, and what was seen and done last."""
+        """The plan, the generator, and what was seen and done last. A scene comes from the views again."""
         state = self.mppi.plan, self.mppi.generator.bit_generator.state
         return pickle.dumps((*state, self.last, self.heading, self.rate, self.posterior))
 
@@ -140,7 +151,7 @@ class IcMpc(VanillaMpc):
 
     name = "ic-mpc"
 
-    def __init__(self, scene: Scene, seed: int = 0, uncertainty_weight: float = 1.0) -> None:
+    def __init__(self, scene: Scene | None = None, seed: int = 0, uncertainty_weight: float = 1.0) -> None:
         super().__init__(scene, seed)
         self.uncertainty_weight = uncertainty_weight
 
@@ -154,9 +165,9 @@ class IcMpc(VanillaMpc):
         return int(np.argmax(self.posterior))
 
 
-def planned_poses(pose: Floats, plan: Floats, period: float) -> Floats:
-    """The poses (REFERENCES, 3) at the ends of the next planning steps, of inputs (n, 2) for a period (s) each."""
-    step = PLANNING_STEP_S / 4.0
+def planned_poses(pose: Floats, plan: Floats, period: float, planning_step: float) -> Floats:
+    """The poses (REFERENCES, 3) at the ends of the next planning steps (s), of inputs (n, 2) for a period (s) each."""
+    step = planning_step / 4.0
     poses = []
     for i in range(4 * REFERENCES):
         pose = unicycle(pose, plan[min(int((i + 0.5) * step / period), len(plan) - 1)], step)
@@ -164,9 +175,9 @@ def planned_poses(pose: Floats, plan: Floats, period: float) -> Floats:
     return np.array(poses[3::4])
 
 
-def facing_hand(way: Floats, hand: Floats, hand_velocity: Floats) -> Floats:
-    """The positions of poses (n, 3), with the heading to a hand that keeps its velocity (m/s)."""
-    times = PLANNING_STEP_S * np.arange(1, len(way) + 1)
+def facing_hand(way: Floats, hand: Floats, hand_velocity: Floats, planning_step: float) -> Floats:
+    """The positions of poses (n, 3), a planning step (s) apart, with the heading to a hand that keeps its velocity (m/s)."""
+    times = planning_step * np.arange(1, len(way) + 1)
     to_hand = hand + times[:, np.newaxis] * hand_velocity - way[:, :2]
     return np.column_stack([way[:, :2], np.arctan2(to_hand[:, 1], to_hand[:, 0])])
 

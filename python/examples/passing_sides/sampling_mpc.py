@@ -106,7 +106,7 @@ class Mppi:
         """The inputs (2,) for now, at a pose (3,) of the base.
 
         last_inputs: speed (m/s) and turning rate (rad/s) at present; the plan is continued with them.
-        running_cost, final_cost: of poses (samples, 3), after every step of the horizon and at its end.
+        running_cost: of poses (n, 3), after every step of the horizon; final_cost: of those at its end, (samples, 3).
         """
         self.plan = np.concatenate([self.plan[1:], np.asarray(last_inputs, float)[np.newaxis]])
         self.plan = self.improved(self.plan, self._noise(self.samples, self.horizon), pose, running_cost, final_cost)
@@ -125,9 +125,13 @@ class Mppi:
         noise = inputs - plan
         poses = np.broadcast_to(np.asarray(pose, float), (len(inputs), 3))
         cost = self.temperature * np.sum(plan * noise / np.asarray(self.variance), axis=(1, 2))
+        way = []
         for step in range(inputs.shape[1]):
             poses = unicycle(poses, inputs[:, step], self.period)
-            cost = cost + running_cost(poses)
+            way.append(poses)
+        # all at once: most of the time is in calls, not in numbers
+        for step_cost in running_cost(np.concatenate(way)).reshape(len(way), -1):
+            cost = cost + step_cost
         cost = cost + final_cost(poses)
         weight = np.exp(-(cost - cost.min()) / self.temperature)
         weight /= weight.sum()

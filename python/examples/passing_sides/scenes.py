@@ -7,7 +7,7 @@ ahead on the path of the robot's option for the goal: an extension of ours, whic
 from __future__ import annotations
 
 import math
-from typing import Any, Protocol
+from typing import Protocol
 
 import cocarry
 import numpy as np
@@ -65,48 +65,46 @@ class OnePost:
 
 
 class Walls:
-    """Boxes and cylinders of a world, and a point ahead on the path of the cheapest option. Needs Python 3.11."""
+    """The obstacles of a world, and a point ahead on the path of the cheapest option."""
 
     #: How far ahead of the object the goal is on the path, m.
     LOOKAHEAD_M = 1.5
 
     def __init__(self, world: cocarry.World) -> None:
-        import tomllib
-
         self.target = np.asarray(world.target)
-        obstacles: list[dict[str, Any]] = tomllib.loads(world.text)["obstacle"]
-        others = {item["shape"] for item in obstacles} - {"box", "cylinder"}
-        if others:
-            raise ValueError(f"{world.name}: obstacles of the shape {', '.join(sorted(others))}; Walls knows boxes and cylinders")
+        obstacles = world.obstacles
         # centre x, y, half the size along and across, yaw (rad), radius
         rows = [
-            (
-                *item["center_m"],
-                *(0.5 * np.array(item.get("size_m", (0.0, 0.0)))),
-                math.radians(item.get("yaw_deg", 0.0)),
-                item.get("radius_m", 0.0),
-            )
+            (*item.center, *(np.zeros(2) if item.size is None else 0.5 * item.size), item.yaw_rad or 0.0, item.radius_m or 0.0)
             for item in obstacles
+            if item.center is not None
         ]
-        self.obstacles = np.array(rows, float)
+        self.obstacles = np.array(rows, float).reshape(-1, 6)
+        reach = np.hypot(self.obstacles[:, 2], self.obstacles[:, 3]) + self.obstacles[:, 5]
+        self.bounds = _bounds(self.obstacles[:, :2] - reach[:, np.newaxis], self.obstacles[:, :2] + reach[:, np.newaxis])
+        #: Convex parts of polygons and rooms: their sides, begin and end, (sides, 2, 2), m, and how many each part has.
+        parts = [part for item in obstacles if item.center is None for part in item.parts]
+        self.sides = np.concatenate([np.zeros((0, 2, 2)), *(np.stack([part, np.roll(part, -1, axis=0)], axis=1) for part in parts)])
+        self.counts = np.array([len(part) for part in parts], int)
+        self.part_bounds = _bounds([part.min(axis=0) for part in parts], [part.max(axis=0) for part in parts])
 
-    def nearest(self, positions: ArrayLike) -> tuple[Floats, Floats]:
-        """The nearest points (n, 2), m, of all obstacles to positions (n, 2), and their distances (n,), m; 0 within one."""
-        positions = np.asarray(positions, float)[:, np.newaxis]
-        centre, half, yaw, radius = self.obstacles[:, :2], self.obstacles[:, 2:4], self.obstacles[:, 4], self.obstacles[:, 5]
-        offset = positions - centre
-        cosine, sine = np.cos(yaw), np.sin(yaw)
-        own = np.stack([cosine * offset[..., 0] + sine * offset[..., 1], cosine * offset[..., 1] - sine * offset[..., 0]], axis=-1)
-        inner = np.clip(own, -half, half)
-        gap = own - inner
-        length = np.hypot(gap[..., 0], gap[..., 1])
-        share = np.minimum(1.0, radius / np.where(length > 0.0, length, 1.0))
-        point = inner + gap * share[..., np.newaxis]
-        world = centre + np.stack([cosine * point[..., 0] - sine * point[..., 1], sine * point[..., 0] + cosine * point[..., 1]], axis=-1)
-        distance = np.maximum(length - radius, 0.0)
-        first = distance.argmin(axis=1)
-        rows = np.arange(len(positions))
-        return world[rows, first], distance[rows, first]
+    def nearest(self, positions: ArrayLike, within: float = math.inf) -> tuple[Floats, Floats]:
+        """The nearest points (n, 2), m, of all obstacles to positions (n, 2), and their distances (n,), m; 0 within one.
+
+        within: obstacles beyond this distance (m) of the rectangle around all positions do not count; infinite where none does.
+        """
+        positions = np.asarray(positions, float)
+        around = _bounds(positions.min(axis=0) - within, positions.max(axis=0) + within)
+        parts = _meet(self.part_bounds, around)
+        points, distances = zip(
+            _to_boxes_and_cylinders(self.obstacles[_meet(self.bounds, around)], positions[:, np.newaxis]),
+            _to_polygons(self.sides[np.repeat(parts, self.counts)], self.counts[parts], positions[:, np.newaxis]),
+        )
+        point, distance = np.concatenate(points, axis=1), np.concatenate(distances, axis=1)
+        if distance.shape[1] == 0:
+            return np.full((len(positions), 2), np.inf), np.full(len(positions), np.inf)
+        first, rows = distance.argmin(axis=1), np.arange(len(positions))
+        return point[rows, first], distance[rows, first]
 
     def look(self, view: cocarry.RobotView, position: Floats) -> tuple[Floats, Floats]:
         """The point ahead on the path, and the obstacle's point nearest to halfway there."""
@@ -117,7 +115,7 @@ class Walls:
 
     def clearance(self, base: Floats, carried: Floats) -> Floats:
         """The paper's cost of clearance of base and object, by their distances from the nearest face; 10 within one."""
-        _, distance = self.nearest(np.concatenate([base, carried]))
+        _, distance = self.nearest(np.concatenate([base, carried]), within=CLEARANCE_M)
         away = np.stack([np.maximum(distance, CLEARANCE_M / 1024.0), np.zeros(len(distance))], axis=-1)
         return np.asarray(clearance_cost(away, (0.0, 0.0)).reshape(2, -1).sum(axis=0))
 
@@ -128,6 +126,49 @@ class Walls:
     def is_near_end(self, position: Floats, distance: float) -> bool:
         """By the distance from the world's target."""
         return math.dist(position, self.target) < distance
+
+
+def _bounds(low: ArrayLike, high: ArrayLike) -> Floats:
+    """Rectangles (n, 2, 2), m: their corners with the least and the greatest x and y."""
+    return np.stack([np.asarray(low, float).reshape(-1, 2), np.asarray(high, float).reshape(-1, 2)], axis=1)
+
+
+def _meet(bounds: Floats, around: Floats) -> NDArray[np.bool_]:
+    """Which of the rectangles (n, 2, 2) meet a rectangle (1, 2, 2)."""
+    return np.asarray(((bounds[:, 0] <= around[:, 1]) & (bounds[:, 1] >= around[:, 0])).all(axis=1))
+
+
+def _to_boxes_and_cylinders(obstacles: Floats, positions: Floats) -> tuple[Floats, Floats]:
+    """The nearest points (n, obstacles, 2) to positions (n, 1, 2), m, and their distances (n, obstacles); 0 within."""
+    centre, half, yaw, radius = obstacles[:, :2], obstacles[:, 2:4], obstacles[:, 4], obstacles[:, 5]
+    offset = positions - centre
+    cosine, sine = np.cos(yaw), np.sin(yaw)
+    own = np.stack([cosine * offset[..., 0] + sine * offset[..., 1], cosine * offset[..., 1] - sine * offset[..., 0]], axis=-1)
+    inner = np.clip(own, -half, half)
+    gap = own - inner
+    length = np.hypot(gap[..., 0], gap[..., 1])
+    share = np.minimum(1.0, radius / np.where(length > 0.0, length, 1.0))
+    point = inner + gap * share[..., np.newaxis]
+    world = centre + np.stack([cosine * point[..., 0] - sine * point[..., 1], sine * point[..., 0] + cosine * point[..., 1]], axis=-1)
+    return world, np.maximum(length - radius, 0.0)
+
+
+def _to_polygons(sides: Floats, counts: NDArray[np.int_], positions: Floats) -> tuple[Floats, Floats]:
+    """The nearest points (n, sides, 2) of convex polygons to positions (n, 1, 2), m, and their distances (n, sides); 0 within.
+
+    counts: the number of sides of each polygon.
+    """
+    begin, along = sides[:, 0], sides[:, 1] - sides[:, 0]
+    offset = positions - begin
+    share = np.clip((offset * along).sum(axis=-1) / (along * along).sum(axis=-1), 0.0, 1.0)
+    point = begin + share[..., np.newaxis] * along
+    distance = np.hypot(positions[..., 0] - point[..., 0], positions[..., 1] - point[..., 1])
+    if not len(counts):
+        return point, distance
+    # a position within a convex polygon is to the left of all its sides
+    left = along[:, 0] * offset[..., 1] - along[:, 1] * offset[..., 0] >= 0.0
+    inside = np.repeat(np.logical_and.reduceat(left, np.cumsum(counts) - counts, axis=1), counts, axis=1)
+    return np.where(inside[..., np.newaxis], positions, point), np.where(inside, 0.0, distance)
 
 
 def cheapest(view: cocarry.RobotView, options: list[int]) -> int:

@@ -21,7 +21,7 @@ from typing import Any
 import cocarry
 import numpy as np
 
-from force_partner import ForcePartner, option_paths
+from force_partner import ForcePartner
 from learned_planner import SCORE_WALLS_PX, WINDOW_PX, LearnedPlanner
 from passing_inference import Floats
 from passing_policies import IcMpc, VanillaMpc
@@ -100,7 +100,6 @@ def play(cell: Cell) -> Result:
     if cell.human == "force":
         reach_m = 0.45 if cell.world == "room" else 0.6
         partners["human"] = ForcePartner(
-            option_paths(scenario),
             preferred,
             reach_m=reach_m,
             speed_m_per_s=SPEED_M_PER_S,

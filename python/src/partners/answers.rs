@@ -1,6 +1,6 @@
 //! What custom policies and humans may return.
 
-use super::views::{STANCES, stance};
+use super::views::{STANCES, Shown, stance};
 use crate::error::DecisionError;
 use crate::value::repr;
 use cocarry::control::HORIZON;
@@ -21,6 +21,7 @@ use std::sync::Arc;
 pub(super) struct Basis {
     pub(super) names: Arc<[String]>,
     pub(super) prepared: Arc<PreparedScenario>,
+    pub(super) shown: Arc<Shown>,
     pub(super) joints: usize,
     /// The number of inputs of the base.
     pub(super) base: usize,
@@ -35,7 +36,8 @@ impl Basis {
         let seed = prepared.scenario().seed;
         let base = prepared.robot().map_or(2, |robot| robot.drive.inputs());
         let has_robot = prepared.robot().is_some();
-        Self { names, prepared: Arc::new(prepared.clone()), joints, base, seed, has_robot }
+        let (prepared, shown) = (Arc::new(prepared.clone()), Arc::default());
+        Self { names, prepared, shown, joints, base, seed, has_robot }
     }
 
     /// The option of an index or a name.

@@ -3,7 +3,7 @@
 mod answers;
 mod views;
 
-pub use views::{PyHandView, PyHumanView, PyRobotView, PyView, configuration_vector};
+pub use views::{PyHandView, PyHumanView, PyRobotView, PyView, configuration_vector, matrix};
 
 use crate::error::{ClosedError, DecisionError};
 use crate::value::repr;
@@ -174,9 +174,13 @@ impl Partner {
 macro_rules! common {
     ($view:expr, $basis:expr, $hand:expr, $hand_wrench:expr) => {
         PyView {
+            prepared: Arc::clone(&$basis.prepared),
+            shown: Arc::clone(&$basis.shown),
             step: $view.step,
             time: $view.time,
+            planning_step: $view.planning_step,
             position: $view.position,
+            progress: $view.progress.clone(),
             names: Arc::clone(&$basis.names),
             evaluated: $view.evaluated.to_vec(),
             executed: $view.executed,
@@ -207,8 +211,6 @@ impl RobotPolicy for OwnPolicy {
         }
         let decided = Python::attach(|py| {
             let seen = PyRobotView {
-                prepared: Arc::clone(&basis.prepared),
-                progress: view.progress.clone(),
                 stance: view.stance,
                 stubbornness: view.stubbornness,
                 discomfort: view.discomfort,
@@ -286,8 +288,9 @@ impl Human for OwnHuman {
             let Some(hand) = object.bound(py)?.getattr_opt("hand")?.filter(|hand| hand.is_callable()) else {
                 return Ok(None);
             };
-            let HandView { time, period, hand: at, wrench: felt, .. } = *view;
-            let seen = PyHandView { time, period, hand: at, hand_wrench: felt.map(wrench) };
+            let HandView { time, period, control_period, hand: at, heading, wrench: felt, .. } = *view;
+            let hand_wrench = felt.map(wrench);
+            let seen = PyHandView { time, period, control_period, hand: at, heading, hand_wrench };
             hand_target(&hand.call1((Bound::new(py, seen)?,))?)
         });
         target.unwrap_or_else(|error| {

@@ -2,6 +2,8 @@
 
 use crate::arguments;
 use crate::error::Error;
+use crate::robot::Robot;
+use crate::world::World;
 use cocarry::coordination::{Mode, OptionTick};
 use cocarry::geometry::{PlanarPose, Point, Pose};
 use cocarry::human::Stance;
@@ -13,11 +15,30 @@ use cocarry::scenario::PreparedScenario;
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyAttributeError, PyKeyError};
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
 use pyo3::types::PyList;
 use std::sync::Arc;
 
 /// How far the chords of a path may be off its arcs, m.
 const SAGITTA_M: f64 = 1e-3;
+
+/// The world and the robot of an episode as Python objects, each made once a view is asked for it.
+pub(super) struct Shown {
+    world: PyOnceLock<Py<World>>,
+    robot: PyOnceLock<Py<Robot>>,
+}
+
+impl Default for Shown {
+    fn default() -> Self {
+        Self { world: PyOnceLock::new(), robot: PyOnceLock::new() }
+    }
+}
+
+impl std::fmt::Debug for Shown {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Shown").finish_non_exhaustive()
+    }
+}
 
 /// What both a custom policy and a custom human see at the beginning of a planning step.
 ///
@@ -26,9 +47,13 @@ const SAGITTA_M: f64 = 1e-3;
 /// the options.
 #[pyclass(frozen, subclass, module = "cocarry._cocarry", name = "View")]
 pub struct PyView {
+    pub(super) prepared: Arc<PreparedScenario>,
+    pub(super) shown: Arc<Shown>,
     pub(super) step: u64,
     pub(super) time: f64,
+    pub(super) planning_step: f64,
     pub(super) position: Point,
+    pub(super) progress: Progress,
     pub(super) names: Arc<[String]>,
     pub(super) evaluated: Vec<OptionTick>,
     pub(super) executed: Option<usize>,
@@ -64,6 +89,33 @@ impl PyView {
     #[getter]
     fn time_s(&self) -> f64 {
         self.time
+    }
+    /// Length of a planning step, s.
+    #[getter]
+    fn planning_step_s(&self) -> f64 {
+        self.planning_step
+    }
+    /// The world of the episode: the same object in every view of an episode.
+    #[getter]
+    fn world(&self, py: Python<'_>) -> PyResult<Py<World>> {
+        let make = || Py::new(py, World { world: self.prepared.world().clone() });
+        self.shown.world.get_or_try_init(py, make).map(|world| world.clone_ref(py))
+    }
+    /// The remaining path of an option, (n, 2), m, in the world, from the team to the target; None where no path
+    /// leads on. option: an index.
+    fn path<'py>(
+        &self,
+        py: Python<'py>,
+        #[pyo3(from_py_with = arguments::option)] option: usize,
+    ) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        let options = self.prepared.options();
+        let count = options.options().len();
+        if option >= count {
+            return Err(Error::new_err(format!("option = {option}; it must be from 0 to {}", count - 1)));
+        }
+        let points = options.path(&self.progress, option).map(|path| path.polyline(SAGITTA_M));
+        let rows = points.map(|points| points.iter().map(|p| vec![p.x, p.y]).collect::<Vec<_>>());
+        Ok(rows.map(|rows| PyArray2::from_vec2(py, &rows)).transpose()?)
     }
     /// Position of the team, (2,), m.
     #[getter]
@@ -107,7 +159,8 @@ fn unknown(key: &str) -> String {
     format!("unknown `{key}`; the options have {known}")
 }
 
-fn matrix<'py>(py: Python<'py>, pose: &Pose) -> PyResult<Bound<'py, PyArray2<f64>>> {
+/// A pose as a homogeneous matrix, (4, 4).
+pub fn matrix<'py>(py: Python<'py>, pose: &Pose) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let matrix = pose.to_homogeneous();
     let rows: Vec<Vec<f64>> =
         (0..4).map(|row| (0..4).map(|column| matrix[(row, column)]).collect()).collect();
@@ -117,8 +170,6 @@ fn matrix<'py>(py: Python<'py>, pose: &Pose) -> PyResult<Bound<'py, PyArray2<f64
 /// What a custom policy sees at the beginning of a planning step: that of View, and the robot.
 #[pyclass(frozen, extends = PyView, module = "cocarry", name = "RobotView")]
 pub struct PyRobotView {
-    pub(super) prepared: Arc<PreparedScenario>,
-    pub(super) progress: Progress,
     pub(super) stance: Stance,
     pub(super) stubbornness: f64,
     pub(super) discomfort: f64,
@@ -130,21 +181,14 @@ pub struct PyRobotView {
 
 #[pymethods]
 impl PyRobotView {
-    /// The remaining path of an option, (n, 2), m, from the team to the target; None where no path leads
-    /// on.
-    fn path<'py>(
-        &self,
-        py: Python<'py>,
-        #[pyo3(from_py_with = arguments::option)] option: usize,
-    ) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
-        let options = self.prepared.options();
-        let count = options.options().len();
-        if option >= count {
-            return Err(Error::new_err(format!("option = {option}; it must be from 0 to {}", count - 1)));
-        }
-        let points = options.path(&self.progress, option).map(|path| path.polyline(SAGITTA_M));
-        let rows = points.map(|points| points.iter().map(|p| vec![p.x, p.y]).collect::<Vec<_>>());
-        Ok(rows.map(|rows| PyArray2::from_vec2(py, &rows)).transpose()?)
+    /// The robot of the episode: the same object in every view of an episode; None on the point plant.
+    #[getter]
+    fn robot(slf: &Bound<'_, Self>) -> PyResult<Option<Py<Robot>>> {
+        let py = slf.py();
+        let PyView { prepared, shown, .. } = slf.as_super().get();
+        let Some(robot) = prepared.robot() else { return Ok(None) };
+        let made = shown.robot.get_or_try_init(py, || Py::new(py, Robot { robot: robot.clone() }))?;
+        Ok(Some(made.clone_ref(py)))
     }
     /// phi(k), eq. (5).
     #[getter]
@@ -191,7 +235,9 @@ impl PyRobotView {
 pub struct PyHandView {
     pub(super) time: f64,
     pub(super) period: [u32; 2],
+    pub(super) control_period: f64,
     pub(super) hand: [Point; 2],
+    pub(super) heading: f64,
     pub(super) hand_wrench: Option<[f64; 6]>,
 }
 
@@ -212,6 +258,11 @@ impl PyHandView {
     fn periods(&self) -> u32 {
         self.period[1]
     }
+    /// Length of a control period, s.
+    #[getter]
+    fn control_period_s(&self) -> f64 {
+        self.control_period
+    }
     /// Position of the hand at the beginning of the planning step (x, y), without sway, m.
     #[getter]
     fn begun_at<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
@@ -222,7 +273,12 @@ impl PyHandView {
     fn hand<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, self.hand[1].coords.as_slice())
     }
-    /// Mean wrench of the human on the object in this planning step so far, world axes, N and Nm.
+    /// Direction in which the hand faces, without sway: its yaw in the world, rad.
+    #[getter]
+    fn heading_rad(&self) -> f64 {
+        self.heading
+    }
+    /// Mean force (N) and torque (Nm) of the human on the object in this planning step so far, (6,), world axes.
     #[getter]
     fn hand_wrench<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
         self.hand_wrench.as_ref().map(|wrench| PyArray1::from_slice(py, wrench))
