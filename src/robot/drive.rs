@@ -154,9 +154,9 @@ impl Wheel {
 /// A warning: the drive is too slow for the team's walking speed, so that the team walks more slowly.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error(
-    "robot `{robot}`: its {what}, with a reserve for bends{beside}: the team walks at {walked:.3} m/s instead of {speed} m/s",
+    "robot `{robot}`: its {what}, with a reserve for bends{aside}: the team walks at {walked:.3} m/s instead of {speed} m/s",
     what = self.what(),
-    beside = self.beside()
+    aside = self.lateral_offset()
 )]
 pub struct SlowDrive {
     /// Name of the robot.
@@ -174,10 +174,12 @@ pub struct SlowDrive {
 }
 
 impl SlowDrive {
-    fn beside(&self) -> String {
+    fn lateral_offset(&self) -> String {
         match self.offset {
             0.0 => String::new(),
-            offset => format!(", in which the base moves {offset:.2} m beside the grasp's path"),
+            offset => format!(
+                ", in which the base moves with a lateral offset of {offset:.2} m from the grasp's path"
+            ),
         }
     }
 

@@ -223,7 +223,9 @@ impl PreparedScenario {
         let widened = self.world().is_widened.then(|| {
             let (name, file, width) = (&robot.name, self.scenario.world.file(), self.width());
             let why = match width > robot.width() {
-                true => format!("needs {width:.2} m, as its base moves beside the object's path"),
+                true => format!(
+                    "needs {width:.2} m, as its base moves with a lateral offset from the object's path"
+                ),
                 false => format!("is {width:.2} m wide (base_width_m)"),
             };
             format!(

@@ -25,7 +25,7 @@ const BEND_STEPS: u32 = 4;
 const DRIVE_SHARE: f64 = 0.8;
 
 /// No team walks more slowly for its robot, m/s: one that is slower still stays behind.
-const LEAST_SPEED: f64 = 0.05;
+const MIN_SPEED: f64 = 0.05;
 
 /// The largest walking speed of a team whose robot starts in a posture, m/s: at it, the drive goes round bends
 /// with this share of its largest speed.
@@ -36,7 +36,7 @@ fn walking_speed(robot: &Robot, joints: &JointVector, share: f64) -> f64 {
     let lever = if robot.drive.is_omnidirectional() { 0.0 } else { track / 2.0 };
     let lever = lever + robot.kept_offset(joints).abs();
     // the object turns by so much in a metre, but the team slows where that is faster than the rate
-    (most / (1.0 + lever * MAX_TURN_RAD_PER_M)).max(most - lever * BEND_RATE).max(LEAST_SPEED)
+    (most / (1.0 + lever * MAX_TURN_RAD_PER_M)).max(most - lever * BEND_RATE).max(MIN_SPEED)
 }
 
 /// A warning if the drive of a robot that starts in a posture is too slow for a team that walks at `speed`

@@ -147,7 +147,7 @@ fn a_telescope_beside_the_axis_carries() {
         let scenario = Scenario { plant: Plant::new(kind, RobotSetup::new(&robot)), ..wide(&world) };
         let prepared = scenario.prepare().unwrap_or_else(|error| panic!("{error}"));
         let slow = prepared.slow_drive().map(ToString::to_string).unwrap_or_default();
-        assert!(slow.contains("m beside the grasp's path"), "{slow}");
+        assert!(slow.contains("m from the grasp's path"), "{slow}");
         let error = carried(&prepared);
         assert!(error < 0.03, "{kind:?}: {error} m");
     }

@@ -40,6 +40,19 @@ fn new_files_run_as_they_are() {
 }
 
 #[test]
+fn a_new_folder_is_taken_by_the_fits() {
+    let folder = tempfile::tempdir().unwrap();
+    succeeds(folder.path(), &["new", "kitchen"]);
+    let told = succeeds(folder.path(), &["fit", "risk-weight", "kitchen", "--resamples", "40"]);
+    // a range of one number is none
+    assert!(told.contains("from the answers of 3 participants") && !told.contains("\nFrom "), "{told}");
+    succeeds(folder.path(), &["infer", "kitchen", "--draws", "100"]);
+    let refused = run_in(folder.path(), &["fit", "eta", "kitchen"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(stderr(&refused).contains("kitchen: a folder without switches.csv"), "{}", stderr(&refused));
+}
+
+#[test]
 fn the_commented_openings_and_options_of_a_new_world_can_be_used() {
     let folder = tempfile::tempdir().unwrap();
     succeeds(folder.path(), &["new", "."]);
@@ -140,6 +153,18 @@ fn completions_and_manual_pages_name_the_commands_and_options() {
         let script = stdout(&cocarry(&["completions", shell]));
         for word in ["sweep", "preference-changes", "export", "cite"] {
             assert!(script.contains(word), "{shell}: {word}");
+        }
+    }
+    // the names of worlds in the parts of the two commands that take one
+    for (shell, before) in [("elvish", "cand "), ("powershell", "[CompletionResult]::new('")] {
+        let script = stdout(&cocarry(&["completions", shell]));
+        for part in ["'cocarry;run'", "'cocarry;world'"] {
+            let (_, begin) = script.split_once(part).unwrap_or_else(|| panic!("{shell}: {part}"));
+            let mut lines = begin.lines().skip(1);
+            for name in ["environment-1", "environment-2", "environment-3", "environment-4"] {
+                let line = lines.find(|line| line.trim_start().starts_with(&format!("{before}{name}")));
+                assert!(line.is_some_and(|line| line.contains("built-in world")), "{shell}: {part}: {name}");
+            }
         }
     }
     let folder = tempfile::tempdir().unwrap();

@@ -91,6 +91,54 @@ fn a_file_given_where_another_kind_belongs_is_named() {
     says(&files, &["world", "s.toml"], "error: s.toml: this is a study; run it with `cocarry sweep`");
     says(&files, &["sweep", "w.toml"], "error: w.toml: this is a world file; give it to `cocarry run`");
     says(&files, &["run", "--robot", "w.toml"], "error: w.toml: this is a world file");
+    says(
+        &files,
+        &["sweep", "r.toml"],
+        "error: r.toml: this is a robot file; give it as --robot to `cocarry run`",
+    );
+    says(&files, &["sweep", "r.toml"], "under `robots` in a study");
+    says(
+        &files,
+        &["robot", "check", "w.toml"],
+        "error: w.toml: this is a world file; give it to `cocarry run`",
+    );
+    says(
+        &files,
+        &["robot", "check", "s.toml"],
+        "error: s.toml: this is a study; run it with `cocarry sweep`",
+    );
+    // and of those that are no TOML, with what to type
+    let results = "episode,episodes,study,arithmetic,checksum,world\n0,1,5c7977ff164f90b7,aa7e1f03,,w\n";
+    let answers = "# of people\nparticipant;world;option;percent\nanna;w;1;100\n";
+    let switches = "participant,world,option,step\nanna,w,1,40\n";
+    let urdf = "<?xml version=\"1.0\"?>\n<robot name=\"r\"/>\n";
+    let files = [("r.csv", results), ("a.csv", answers), ("s.csv", switches), ("r.urdf", urdf)];
+    for command in ["sweep", "world", "run"] {
+        let said = "error: r.csv: these are the results of a sweep; `cocarry sweep --summary r.csv`";
+        says(&files, &[command, "r.csv"], said);
+        says(
+            &files,
+            &[command, "a.csv"],
+            "answers of participants; give them to `cocarry fit risk-weight a.csv`",
+        );
+        says(&files, &[command, "s.csv"], "switches of participants; give them to `cocarry fit eta s.csv`");
+        says(&files, &[command, "r.urdf"], "the URDF of a robot; `cocarry robot init r.urdf`");
+    }
+    let output = cocarry(&["run", "recordings/environment-1.mcap"]);
+    let error = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{error}");
+    assert!(
+        error.contains("this is a recording; see `cocarry inspect recordings/environment-1.mcap`"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_former_argument_is_no_suggestion() {
+    let output = cocarry(&["run", "--version"]);
+    let error = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{error}");
+    assert!(error.contains("unexpected argument '--version'") && !error.contains("--period"), "{error}");
 }
 
 #[test]

@@ -35,6 +35,7 @@ fn every_output_fits_80_columns() {
         &["reproduce", "h2"],
         &["inspect", "recordings/environment-1.mcap"],
         &["fit", "risk-weight", "docs/data/table-1-humans.csv", "--normalise", "--resamples", "40"],
+        &["fit", "eta", "docs/data/simulated-switches.csv"],
     ] {
         let output = cocarry("80", arguments);
         let text = stdout(&output);
@@ -42,6 +43,14 @@ fn every_output_fits_80_columns() {
         assert_eq!(too_wide(&text, 80), [""; 0], "{arguments:?}:\n{text}");
         assert!(!text.contains('\u{1b}'), "colours in a pipe: {arguments:?}");
     }
+    // a paragraph is wrapped once
+    let eta = stdout(&crate::support::cocarry(&["fit", "eta", "docs/data/simulated-switches.csv"]));
+    assert!(eta.contains("No participant's episodes contradict each other: eta is the same"), "{eta}");
+    // a long line of a file is cut where it is wrong
+    std::fs::write(path("w.toml"), format!("name = \"{}\" = 1\n", "x".repeat(200))).unwrap();
+    let refused = stderr(&cocarry("80", &["world", &path("w.toml")]));
+    assert_eq!(too_wide(&refused, 80), [""; 0], "{refused}");
+    assert!(refused.contains("\n1 | …x") && refused.contains("x\" = 1\n"), "{refused}");
     let refused = cocarry("80", &["run", "environmnt-4", "--plant", "point"]);
     assert_eq!(too_wide(&stderr(&refused), 80), [""; 0]);
     for arguments in [

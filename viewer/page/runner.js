@@ -2,7 +2,7 @@
 // time, and the page says so; it never takes larger steps.
 
 // What is caught up at most after a pause of the page, s, and what stepping may take of a picture, ms.
-const MOST_CAUGHT_UP_S = 0.1, BUDGET_MS = 60;
+const MAX_CAUGHT_UP_S = 0.1, BUDGET_MS = 60;
 // How long rates are measured, s, and the part of the asked speed below which the machine is slow.
 const WINDOW_S = 1, SLOW = 0.93;
 
@@ -48,7 +48,7 @@ export class Runner {
     if (!this.isPlaying || !this.episode) return false;
     const since = this.before === null ? 0 : (now - this.before) / 1000;
     this.before = now;
-    const wanted = this.time + Math.min(MOST_CAUGHT_UP_S, since) * this.speed;
+    const wanted = this.time + Math.min(MAX_CAUGHT_UP_S, since) * this.speed;
     const start = performance.now();
     let isLate = false;
     while (this.episode.isRunning && this.episode.end < wanted && !isLate) {

@@ -1,9 +1,11 @@
 //! Files given where another kind belongs: a folder of `cocarry new` instead of a file in it, a robot instead
-//! of a world.
+//! of a world, results instead of their study.
 
 use super::output::{Failure, input};
 use anyhow::{Error, anyhow};
+use cocarry::suggestion::shell_word;
 use cocarry::{bounds, located};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// A kind of TOML file that commands take.
@@ -41,11 +43,22 @@ impl FileKind {
             Self::World => {
                 "this is a world file; give it to `cocarry run` or `cocarry world`, or list it under `worlds` in a study"
             }
-            Self::Robot => "this is a robot file; give it as --robot",
+            Self::Robot => {
+                "this is a robot file; give it as --robot to `cocarry run`, list it under `robots` in a study, or check it with `cocarry robot check`"
+            }
             Self::Study => "this is a study; run it with `cocarry sweep`",
         }
     }
 }
+
+/// The number of first bytes that tell what a file is that is no TOML.
+const HEAD: u64 = 16 << 10;
+/// The first bytes of a recording.
+const MCAP: &[u8] = b"\x89MCAP";
+/// The first bytes of a Parquet file.
+const PARQUET: &[u8] = b"PAR1";
+/// The beginning of the header of results.
+const RESULTS: [&str; 3] = ["episode", "episodes", "study"];
 
 /// The file of this kind in `path`, if that is a folder with one; otherwise `path` itself.
 pub(super) fn within(path: &Path, kind: FileKind) -> PathBuf {
@@ -56,10 +69,63 @@ pub(super) fn within(path: &Path, kind: FileKind) -> PathBuf {
 /// The failure to read `path` as this kind of file: if it is of another kind, the error says which and where
 /// it belongs.
 pub(super) fn refused(path: &Path, kind: FileKind, error: Error) -> Failure {
-    let table = located::read(&bounds::WORLD, path).ok().and_then(|text| text.parse::<toml::Table>().ok());
-    let is = |other: &FileKind| *other != kind && table.as_ref().is_some_and(|t| t.contains_key(other.key()));
-    input(match FileKind::ALL.into_iter().find(is) {
-        Some(other) => anyhow!("{}: {}", path.display(), other.advice()),
+    input(match other_kind(path, kind) {
+        Some(advice) => anyhow!("{}: {advice}", path.display()),
         None => error,
     })
+}
+
+/// What the file at `path` is, and where it belongs; `None` if it may be of this kind.
+pub(super) fn other_kind(path: &Path, kind: FileKind) -> Option<String> {
+    let text = located::read(&bounds::WORLD, path).ok();
+    let Some(table) = text.and_then(|text| text.parse::<toml::Table>().ok()) else {
+        return by_first_bytes(path, kind);
+    };
+    let is = |other: &FileKind| *other != kind && table.contains_key(other.key());
+    FileKind::ALL.into_iter().find(is).map(|other| other.advice().to_owned())
+}
+
+/// The same of a file that is no TOML.
+fn by_first_bytes(path: &Path, kind: FileKind) -> Option<String> {
+    let mut head = Vec::new();
+    located::open(path).ok()?.take(HEAD).read_to_end(&mut head).ok()?;
+    let file = shell_word(&path.display().to_string());
+    if head.starts_with(MCAP) {
+        return Some(format!(
+            "this is a recording; see `cocarry inspect {file}`, `cocarry render {file} -o episode.html` and `cocarry replay {file}`"
+        ));
+    }
+    if head.starts_with(PARQUET) {
+        return Some(format!(
+            "this is a Parquet file, as a sweep writes its results; `cocarry sweep --summary {file}` prints their tables"
+        ));
+    }
+    let text = String::from_utf8_lossy(&head);
+    let text = text.trim_start_matches('\u{feff}').trim_start();
+    if text.starts_with('<') {
+        // a robot is given by its URDF, too
+        let is_urdf = kind != FileKind::Robot && text.contains("<robot");
+        return is_urdf.then(|| {
+            format!(
+                "this is the URDF of a robot; `cocarry robot init {file}` drafts its robot file, which `cocarry run` takes as --robot and a study under `robots`"
+            )
+        });
+    }
+    let header = text.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('#'))?;
+    let columns: Vec<&str> =
+        header.split([',', ';', '\t']).map(|name| name.trim().trim_matches('"')).collect();
+    if columns.starts_with(&RESULTS) {
+        return Some(format!(
+            "these are the results of a sweep; `cocarry sweep --summary {file}` prints their tables, `cocarry compare {file}` compares its methods"
+        ));
+    }
+    match ["participant", "percent", "step"].map(|name| columns.contains(&name)) {
+        [true, true, false] => Some(format!(
+            "these are answers of participants; give them to `cocarry fit risk-weight {file}` or `cocarry infer {file}`"
+        )),
+        [true, false, true] => Some(format!(
+            "these are switches of participants; give them to `cocarry fit eta {file}` or `cocarry infer {file}`"
+        )),
+        _ => None,
+    }
 }

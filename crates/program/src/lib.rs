@@ -244,6 +244,15 @@ fn with_suggestion(mut error: clap::Error, words: &[OsString]) -> clap::Error {
         of = below.clone();
     }
     let invalid = |error: &clap::Error, kind| error.get(kind).map(ToString::to_string).unwrap_or_default();
+    // a former argument is nobody's choice
+    let suggested = invalid(&error, ContextKind::SuggestedArg);
+    let is_hidden = |argument: &clap::Arg| {
+        let long = argument.get_long().is_some_and(|long| suggested.strip_prefix("--") == Some(long));
+        long && argument.is_hide_set()
+    };
+    if of.get_arguments().any(is_hidden) {
+        error.remove(ContextKind::SuggestedArg);
+    }
     match error.kind() {
         ErrorKind::InvalidSubcommand if error.get(ContextKind::SuggestedSubcommand).is_none() => {
             let name = invalid(&error, ContextKind::InvalidSubcommand);

@@ -159,6 +159,9 @@ pub(super) fn option_json(
 /// The largest number of characters of a line on standard error: TOML's errors repeat the line of the file.
 const MAX_LINE: usize = 4000;
 
+/// The largest width of a line that an error of TOML quotes from a file, characters.
+const MAX_QUOTED: usize = 80;
+
 /// Prints a message for people on standard error.
 pub(super) fn print_message(message: &str) {
     let mut text = Text::default();
@@ -168,7 +171,43 @@ pub(super) fn print_message(message: &str) {
 
 /// Prints an error.
 pub(super) fn print_error(error: &impl std::fmt::Display) {
-    print_on_error(&Text::headed(BAD, &format!("error: {error}")));
+    let width = terminal::error_width().map_or(MAX_QUOTED, |width| width.min(MAX_QUOTED));
+    let text = with_short_quotes(&format!("error: {error}"), width);
+    print_on_error(&Text::headed(BAD, &text));
+}
+
+/// The text with the lines that it quotes from files, as in `12 | text`, cut to a width: what is marked in the
+/// line below a quoted one stays in sight.
+fn with_short_quotes(text: &str, width: usize) -> String {
+    let mut lines: Vec<Cow<str>> = text.split('\n').map(Cow::Borrowed).collect();
+    for at in 0..lines.len() {
+        let line = lines[at].clone();
+        let Some((number, quoted)) = line.split_once(" | ") else { continue };
+        let is_number = !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit());
+        let quoted: Vec<char> = quoted.chars().collect();
+        let gutter = number.len() + 3;
+        let room = width.saturating_sub(gutter);
+        if !is_number || room < 2 || quoted.len() <= room {
+            continue;
+        }
+        let below = lines.get(at + 1).filter(|line| line.trim_start().starts_with("| "));
+        let marks: Vec<char> = below.map(|line| line.chars().collect()).unwrap_or_default();
+        let marked = marks.iter().position(|mark| *mark == '^').map_or(0, |mark| mark.saturating_sub(gutter));
+        let first = if marked < room / 2 { 0 } else { (marked - room / 2).min(quoted.len() - room) };
+        let mut shown = quoted[first..first + room].to_vec();
+        if first > 0 {
+            shown[0] = '…';
+        }
+        if first + room < quoted.len() {
+            shown[room - 1] = '…';
+        }
+        lines[at] = format!("{number} | {}", String::from_iter(shown)).into();
+        if !marks.is_empty() {
+            let below = marks.iter().skip(gutter + first).take(room);
+            lines[at + 1] = marks.iter().take(gutter).chain(below).collect::<String>().into();
+        }
+    }
+    lines.join("\n")
 }
 
 fn print_on_error(text: &Text) {
@@ -363,4 +402,25 @@ pub(super) fn with_spinner<T>(what: &str, work: impl FnOnce() -> T) -> T {
         let _done = done;
         work()
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn golden_a_long_line_of_a_file_is_cut_around_its_mark() {
+        let error = |text: &str, mark: usize, marks: usize| {
+            format!("not valid\n   |\n12 | {text}\n   | {}{}\nwhy", " ".repeat(mark), "^".repeat(marks))
+        };
+        let short = error("a = = 1", 4, 1);
+        assert_eq!(with_short_quotes(&short, 80), short);
+        let text = "0123456789".repeat(3);
+        let begin = with_short_quotes(&error(&text, 3, 2), 15);
+        assert_eq!(begin, error("012345678…", 3, 2));
+        let middle = with_short_quotes(&error(&text, 13, 9), 15);
+        assert_eq!(middle, error("…90123456…", 5, 5));
+        let end = with_short_quotes(&error(&text, 29, 1), 15);
+        assert_eq!(end, error("…123456789", 9, 1));
+    }
 }

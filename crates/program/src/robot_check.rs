@@ -10,6 +10,7 @@ use super::xacro::XacroArguments;
 use anyhow::{Error, anyhow};
 use clap::Args;
 use cocarry::episode::Settings;
+use cocarry::error::Place;
 use cocarry::geometry::{Footprint, Pose};
 use cocarry::robot::{Drive, DriveKind, Motion, PlanarSpeeds, Posture, Robot, WeakestJoint};
 use cocarry::team;
@@ -51,7 +52,12 @@ pub(super) fn run_robot_check(arguments: &CheckArguments) -> Result<ExitCode, Fa
     let outputs = arguments.overwrite.outputs([file.as_path()], &arguments.render)?;
     let robot = match Robot::check_expanded(&file, arguments.xacro.expand()) {
         Ok(robot) => robot,
-        Err(faults) => return refused(arguments, faults),
+        Err(faults) => {
+            let other = file_kind::other_kind(&file, FileKind::Robot);
+            let other =
+                other.map(|advice| cocarry::Error::at(Place::file(file.display().to_string()), advice));
+            return refused(arguments, other.map_or(faults, |other| vec![other]));
+        }
     };
     if let Some(file) = &arguments.render {
         // the robot file and the URDF are inputs by whichever name

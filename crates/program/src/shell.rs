@@ -62,13 +62,16 @@ fn with_worlds(command: Command) -> Command {
     })
 }
 
-/// A script that also completes files as worlds. That of bash does where no name fits; fish's knows options only.
+/// What completions say of the name of a world.
+const WORLD: &str = "built-in world";
+
+/// A script that also completes files as worlds. That of bash does where no name fits; those of fish, elvish and
+/// PowerShell know options only, to which the names are added.
 fn with_files(shell: Shell, script: &str) -> String {
     let names = world_names().collect::<Vec<_>>().join(" ");
     match shell {
         Shell::Zsh => {
-            let both =
-                format!("{{_alternative \"worlds:built-in world:({names})\" \"files:world file:_files\"}}");
+            let both = format!("{{_alternative \"worlds:{WORLD}:({names})\" \"files:world file:_files\"}}");
             script.replace(&format!("({names})"), &both)
         }
         Shell::Fish => WITH_WORLD.into_iter().fold(script.to_owned(), |script, name| {
@@ -77,8 +80,29 @@ fn with_files(shell: Shell, script: &str) -> String {
                     "complete -c cocarry -n \"__fish_cocarry_using_subcommand {name}\" -a \"{names}\"\n"
                 )
         }),
+        Shell::Elvish => {
+            let line = |name: &str| format!("            cand {name} '{WORLD}'\n");
+            after_commands(script, |command| format!("&'cocarry;{command}'= {{\n"), line)
+        }
+        Shell::PowerShell => {
+            let line = |name: &str| {
+                format!(
+                    "            [CompletionResult]::new('{name}', '{name}', [CompletionResultType]::ParameterValue, '{WORLD}')\n"
+                )
+            };
+            after_commands(script, |command| format!("'cocarry;{command}' {{\n"), line)
+        }
         _ => script.to_owned(),
     }
+}
+
+/// A script with a line for every world where the part of a command that takes one begins.
+fn after_commands(script: &str, begin: impl Fn(&str) -> String, line: impl Fn(&str) -> String) -> String {
+    let lines: String = world_names().map(line).collect();
+    WITH_WORLD.into_iter().fold(script.to_owned(), |script, command| {
+        let begin = begin(command);
+        script.replacen(&begin, &format!("{begin}{lines}"), 1)
+    })
 }
 
 pub(super) fn man(arguments: &ManArguments, mut command: Command) -> Result<ExitCode, Failure> {

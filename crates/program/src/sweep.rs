@@ -95,6 +95,7 @@ fn sweep(arguments: &SweepArguments, file: &Path) -> Result<(), Failure> {
     let study = Study::load_with(file, arguments.seeds, policies.partners()?);
     let study = study.map_err(|error| file_kind::refused(file, FileKind::Study, error.into()))?;
     study.world_warnings().iter().for_each(warn);
+    study.human_warnings().iter().for_each(warn);
     study.slow_drives().iter().for_each(warn);
     study.robot_warnings().iter().for_each(warn);
     let out = arguments.output.clone().unwrap_or_else(|| results_of(file, arguments.shard));
@@ -235,7 +236,7 @@ fn groups(summary: &Summary) -> String {
         human.add_row(names(group).into_iter().chain(HUMAN_OUTCOMES.map(mean)));
     }
     format!(
-        "{}Of the episodes that arrived. J: accumulated objective cost; C: control cost; std: standard deviation; 95 %: interval of the mean over humans, none where all humans make the same choices.\n\nMeans for the human\n{}J^: accumulated subjective cost; phi, g: stubbornness and discomfort in the last step; off: share of the steps off the preferred option; switches: changes of the preferred option.\n",
+        "{}Of the episodes that arrived. J: accumulated objective cost; C: control cost; std: standard deviation; 95 %: interval of the mean over humans, none where all humans make the same choices.\n\nMeans for the human\n{}J^: accumulated subjective cost; phi, g: stubbornness and discomfort in the last step; off: share of the steps on an option that the human does not prefer; switches: changes of the preferred option.\n",
         table_text(&costs),
         table_text(&human)
     )

@@ -182,7 +182,7 @@ fn as_text(world: &World, set: &OptionSet, offers: &[Offer]) -> String {
         ]);
     }
     text += &table_text(&obstacles);
-    let origin = if world.openings_detected { " (detected: the file names none)" } else { "" };
+    let origin = if world.openings_detected { " (detected: the file lists none)" } else { "" };
     text += &format!("\nOpenings{origin}\n");
     let mut openings = table(["name", "between", "width (m)", "risk"], 2);
     for o in &world.openings {

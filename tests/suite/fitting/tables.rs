@@ -137,3 +137,35 @@ fn what_answers_do_not_tell_has_no_interval() {
     }
     assert!(total > 3, "{total}");
 }
+
+/// A folder, as `cocarry new` or `cocarry study collect` writes it, stands for the file of participants in it.
+#[test]
+fn a_folder_stands_for_the_file_in_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
+    let write = |name: &str, text: &str| std::fs::write(path(name), text).expect("a file");
+    let (whole, answers, switches) = (path(""), path("answers.csv"), path("switches.csv"));
+    refused(&["fit", "risk-weight", &whole], &["a folder without answers.csv", "percent"]);
+    refused(&["fit", "eta", &whole], &["a folder without switches.csv", "step"]);
+    refused(&["infer", &whole], &["a folder without answers.csv and switches.csv"]);
+    // worlds are relative to the folder
+    std::fs::copy(repository("worlds/environment-4.toml"), path("room.toml")).expect("a world");
+    let mut text = "participant,world,option,percent\n".to_owned();
+    for (person, percents) in [("anna", [40, 20, 30, 10]), ("ben", [30, 30, 30, 10])] {
+        for (option, percent) in (1..).zip(percents) {
+            text += &format!("{person},room.toml,{option},{percent}\n");
+        }
+    }
+    write("answers.csv", &text);
+    let fit = |file: &str| json(&["fit", "risk-weight", file, "--resamples", "40", "--json"]);
+    let inferred = |file: &str| json(&["infer", file, "--draws", "100", "--json"]);
+    assert_eq!(fit(&whole), fit(&answers));
+    assert_eq!(inferred(&whole), inferred(&answers));
+    write("switches.csv", "participant,world,option,step\nanna,room.toml,1,40\nben,room.toml,1,30\n");
+    let fit_eta = |file: &str| json(&["fit", "eta", file, "--json"]);
+    assert_eq!(fit_eta(&whole), fit_eta(&switches));
+    refused(&["infer", &whole], &["answers.csv and switches.csv", "name the files"]);
+    std::fs::remove_file(&answers).expect("the answers");
+    assert_eq!(inferred(&whole), inferred(&switches));
+    refused(&["fit", "risk-weight", &whole], &["a folder without answers.csv"]);
+}

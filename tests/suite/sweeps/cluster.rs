@@ -145,3 +145,26 @@ fn what_is_wrong_is_said_and_nothing_is_overwritten() {
     assert!(!bench.path("a.csv.job/shards/1-of-16.csv").exists());
     assert_eq!(bench.read("a.csv.job/notes.txt"), b"mine");
 }
+
+/// Slurm's commands without a cluster, as on a machine where its package is installed.
+#[cfg(unix)]
+#[test]
+fn a_scheduler_that_does_not_answer_is_told() {
+    use std::os::unix::fs::PermissionsExt;
+    let bench = Bench::new(STUDY);
+    let script = "#!/bin/sh\necho 'scontrol: error: Parsing error' >&2\n\
+        echo 'scontrol: fatal: Could not establish a configuration source' >&2\nexit 1\n";
+    let program = bench.path("bin/scontrol");
+    std::fs::create_dir(bench.path("bin")).unwrap();
+    std::fs::write(&program, script).unwrap();
+    std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_cocarry"));
+    command.env("PATH", bench.path("bin")).env_remove("COLUMNS").current_dir(bench.folder.path());
+    let output = command.args(["cluster", "slurm", "study.toml", "-o", "a.csv"]).output().unwrap();
+    let error = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{error}");
+    let said = "scontrol: no Slurm cluster answers (Could not establish a configuration source); run this";
+    assert!(error.contains(said) && error.contains("--no-submit"), "{error}");
+    assert_eq!(error.matches("scontrol:").count(), 1, "{error}");
+    assert!(!bench.path("a.csv.job").exists());
+}

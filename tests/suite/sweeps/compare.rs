@@ -117,6 +117,30 @@ fn rows_that_another_program_wrote_are_read_and_changed_ones_refused() {
     refused(&bench, &["twice.csv"], "with other results");
 }
 
+/// Names that a data frame took for missing values are told, as in participants' files.
+#[test]
+fn names_that_a_data_frame_lost_are_told() {
+    let bench = Bench::new(STUDY);
+    bench.good(&["study.toml", "-o", "a.csv", "--seeds", "1"]);
+    let (header, rows) = lines(&bench, "a.csv");
+    for (column, lost) in [("world", ""), ("method", "nan"), ("human_model", "NaN"), ("humans", "")] {
+        let at = header.split(',').position(|name| name == column).expect("a column");
+        let mut rows = rows.clone();
+        rows[1] = with_cell(&rows[1], at, &|_| lost.to_owned());
+        write(&bench, "lost.csv", &header, &rows);
+        let said = format!("lost.csv:3: {column} = {lost:?}; it must be a name");
+        refused(&bench, &["lost.csv"], &said);
+        bench.refused(&["--summary", "lost.csv"], 2, &[&said, "keep_default_na=False"]);
+        for kind in ["means", "map"] {
+            let mut plot = Command::new(env!("CARGO_BIN_EXE_cocarry"));
+            let plot = plot.args(["plot", "lost.csv", "-o", "lost.svg", "--kind", kind]);
+            let output = plot.current_dir(bench.folder.path()).output().expect("it starts");
+            assert_eq!(output.status.code(), Some(2), "{kind}");
+            assert!(stderr(&output).contains(&said), "{kind}: {}", stderr(&output));
+        }
+    }
+}
+
 /// The rows without checksums.
 fn changed_checksums(header: &str, rows: &[String]) -> Vec<String> {
     let at = header.split(',').position(|name| name == "checksum").expect("a column");
@@ -184,7 +208,7 @@ fn a_method_that_does_not_arrive_is_told() {
 #[test]
 fn results_of_another_format_are_refused() {
     let bench = Bench::new(STUDY);
-    for name in ["x.xlsx", "x.json", "x.CVS"] {
+    for name in ["x.xlsx", "x.json", "x.CVS", "results"] {
         bench.refused(&["study.toml", "-o", name], 2, &[name, "expected the extension .csv or .parquet"]);
         assert!(std::fs::read_dir(bench.folder.path()).expect("a folder").count() == 1);
     }

@@ -168,3 +168,17 @@ fn the_job_array_of_the_docs_merges_to_the_whole() {
         json(&["sweep", "--summary", bench.path("h2.csv").to_str().expect("UTF-8"), "--json"]).is_object()
     );
 }
+
+/// An alpha that experiments do not find is warned of as `cocarry run` does, once; a drawn one is not.
+#[test]
+fn humans_as_no_experiment_found_are_warned_of_once() {
+    let said = "alpha = 7.47: experiments find values from 0.2 to 2 for people";
+    let run = cocarry(&["run", "--plant", "point", "--alpha", "7.47", "--gamma", "0.765"]);
+    assert!(stderr(&run).contains(said), "{}", stderr(&run));
+    let bench = Bench::new(&STUDY.replace("alpha = 0.747", "alpha = 7.47"));
+    let output = bench.good(&["study.toml", "--seeds", "1"]);
+    assert_eq!(stderr(&output).matches(said).count(), 1, "{}", stderr(&output));
+    assert_eq!(stderr(&output).matches("experiments find").count(), 1, "{}", stderr(&output));
+    let bench = Bench::new(STUDY);
+    assert!(!stderr(&bench.good(&["study.toml", "--seeds", "1"])).contains("experiments find"));
+}

@@ -203,6 +203,10 @@ fn results_are_drawn_at_the_width_of_a_column() {
         let png = drawn(kind, "a.png");
         let image = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
         assert_eq!(image.info().width, 1050);
+        // 300 px per inch, so that other programs show it 3.5 in wide
+        let resolution = image.info().pixel_dims.expect("a resolution");
+        let unit = png::Unit::Meter;
+        assert_eq!((resolution.xppu, resolution.yppu, resolution.unit), (11_811, 11_811, unit));
         let aspect = f64::from(image.info().height) / 1050.0;
         let pdf = drawn(kind, "a.pdf");
         let text = String::from_utf8_lossy(&pdf);

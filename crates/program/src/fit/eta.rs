@@ -13,7 +13,7 @@ use cocarry::coordination;
 use cocarry::episode::Settings;
 use cocarry::math;
 use cocarry::scenario::{INITIAL_STUBBORNNESS, PLANNING_STEP, Plant, Scenario};
-use cocarry_studies::fit::{Eta, EtaFit, SwitchFile, fit_eta};
+use cocarry_studies::fit::{Eta, EtaFit, Kind, SwitchFile, fit_eta};
 use cocarry_studies::report::{no_interval, tolerances_picture};
 use serde_json::json;
 use std::fmt::Write;
@@ -38,7 +38,7 @@ use std::path::PathBuf;
     ("cocarry fit eta switches.csv --svg eta.svg", ""),
 ]))]
 pub(crate) struct EtaArguments {
-    /// Switches (CSV)
+    /// Switches (CSV), or a folder with switches.csv
     switches: PathBuf,
     /// Print one JSON object instead of tables
     #[arg(long)]
@@ -65,7 +65,8 @@ pub(super) fn run_fit_eta(arguments: &EtaArguments) -> Result<(), Failure> {
             "--initial-stubbornness {phi}: it must be less than 1; with 1, every eta switches at the first discomfort"
         )));
     }
-    let file = SwitchFile::read(&arguments.switches).map_err(input)?;
+    let path = Kind::Switches.within(&arguments.switches).map_err(input)?;
+    let file = SwitchFile::read(&path).map_err(input)?;
     note_similar(file.participants().iter().map(|(name, _)| name.as_str()));
     let settings = Settings {
         predictor: arguments.model.predictor()?,
@@ -74,10 +75,10 @@ pub(super) fn run_fit_eta(arguments: &EtaArguments) -> Result<(), Failure> {
         planning_step: arguments.planning_step,
         ..Settings::default()
     };
-    let prepared = load(&arguments.switches, file.worlds(), |world| {
+    let prepared = load(&path, file.worlds(), |world| {
         Scenario { settings: settings.clone(), ..Scenario::new(world.into(), Plant::Point) }.prepare()
     })?;
-    let inputs = inputs(&arguments.switches, &prepared, &arguments.model.belief);
+    let inputs = inputs(&path, &prepared, &arguments.model.belief);
     let outputs = arguments.overwrite.outputs(inputs.iter().map(PathBuf::as_path), &arguments.svg)?;
     let switches = file.matched(&prepared).map_err(input)?;
     let fit = fit_eta(&switches);
@@ -140,7 +141,7 @@ fn text(fit: &EtaFit, planning_step: f64) -> String {
         );
     }
     if fit.is_cautious {
-        text += "So few participants switched that the interval is cautious: in simulated studies, such intervals\ncontain the median in up to 100 %, not in 95 %.\n";
+        text += "So few participants switched that the interval is cautious: in simulated studies, such intervals contain the median in up to 100 %, not in 95 %.\n";
     }
     if let Some(reason) = no_interval(fit) {
         let _ = writeln!(text, "All: {reason}.");
@@ -161,9 +162,9 @@ fn text(fit: &EtaFit, planning_step: f64) -> String {
     text += "bounded: all episodes agree, and eta lies in the interval. censored: never switched.";
     text += match fit.is_scattered {
         true => {
-            " scattered: episodes of a participant\ncontradict each other, and eta varies between episodes: a median, with its 95 % interval.\n"
+            " scattered: episodes of a participant contradict each other, and eta varies between episodes: a median, with its 95 % interval.\n"
         }
-        false => " No participant's episodes contradict\neach other: eta is the same in every episode.\n",
+        false => " No participant's episodes contradict each other: eta is the same in every episode.\n",
     };
     text + "All: the log-normal distribution of everyone's eta. "
         + &format!("eta counts in planning steps of {planning_step} s.\n")

@@ -13,8 +13,8 @@ use clap::Args;
 use cocarry::options::OptionSet;
 use cocarry::preference::RISK_WEIGHT;
 use cocarry_studies::fit::{
-    AnswerFile, Answers, CELL_ERROR, Estimate, LEAST_SQUARES_CAUTION, RiskWeightFit, RiskWeightSettings,
-    Situation, fit_risk_weight,
+    AnswerFile, Answers, CELL_ERROR, Estimate, Kind, LEAST_SQUARES_CAUTION, RiskWeightFit,
+    RiskWeightSettings, Situation, fit_risk_weight,
 };
 use cocarry_studies::report::answers_picture;
 use serde_json::json;
@@ -32,7 +32,7 @@ use std::path::PathBuf;
     ("cocarry fit risk-weight answers.csv --svg answers.svg", ""),
 ]))]
 pub(crate) struct RiskWeightArguments {
-    /// Answers (CSV)
+    /// Answers (CSV), or a folder with answers.csv
     answers: PathBuf,
     #[command(flatten)]
     common: Common,
@@ -60,10 +60,11 @@ pub(crate) struct RiskWeightArguments {
 }
 
 pub(super) fn run_fit_risk_weight(arguments: &RiskWeightArguments) -> Result<(), Failure> {
-    let file = AnswerFile::read(&arguments.answers).map_err(input)?;
+    let path = Kind::Answers.within(&arguments.answers).map_err(input)?;
+    let file = AnswerFile::read(&path).map_err(input)?;
     note_similar(file.participants().iter().map(|(name, _)| name.as_str()));
-    let worlds = load(&arguments.answers, file.worlds(), |world| OptionSet::new(&world, RISK_WEIGHT))?;
-    let inputs = inputs(&arguments.answers, &worlds, &arguments.belief);
+    let worlds = load(&path, file.worlds(), |world| OptionSet::new(&world, RISK_WEIGHT))?;
+    let inputs = inputs(&path, &worlds, &arguments.belief);
     let outputs = arguments.overwrite.outputs(inputs.iter().map(PathBuf::as_path), &arguments.svg)?;
     let situations = worlds.iter().map(|(world, set)| Situation::new(world.clone(), set)).collect();
     let answers = file.matched(situations, arguments.normalise).map_err(input)?;
@@ -133,11 +134,14 @@ fn text(answers: &Answers, settings: &RiskWeightSettings, fit: &RiskWeightFit) -
     }
     text += &table_text(&shown);
     let _ = writeln!(text, "{}", fit.caution());
-    let [low, high] = fit.nearly_as_good;
-    let _ = writeln!(
-        text,
-        "From {low:.2} to {high:.2} m, the rms error is at most {CELL_ERROR} percentage points above the smallest."
-    );
+    let [low, high] = fit.nearly_as_good.map(|end| format!("{end:.2}"));
+    // none of the other values tried is as good
+    if low != high {
+        let _ = writeln!(
+            text,
+            "From {low} to {high} m, the rms error is at most {CELL_ERROR} percentage points above the smallest."
+        );
+    }
     if answers.participants.len() == 1 {
         text += "No interval: the bootstrap needs two participants or more.\n";
     } else {

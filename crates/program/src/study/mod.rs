@@ -42,7 +42,7 @@ pub(super) struct NewArguments {
     overwrite: OverwriteArguments,
 }
 
-/// Check a study file and the answers beside it, and print what a participant goes through
+/// Check a study file and the answers next to it, and print what a participant goes through
 #[derive(Args, Debug)]
 #[command(after_help = examples(&[("cocarry study check carrying/study.toml", "")]))]
 pub(super) struct StudyArguments {
@@ -86,7 +86,7 @@ pub(super) struct ModuleArguments {
     page: Option<PathBuf>,
 }
 
-/// Serve a study, and keep what participants answer in a database beside the study file
+/// Serve a study, and keep what participants answer in a database next to the study file
 ///
 /// The server listens at this computer's own address alone, and has no encryption. To be reached from
 /// elsewhere it needs a proxy with encryption on this computer (nginx, Caddy), which passes the host's name on;
@@ -123,7 +123,7 @@ pub(super) struct ServeArguments {
 pub(super) struct EthicsArguments {
     /// Study file (TOML)
     study: PathBuf,
-    /// File to write [default: beside the study file, with the extension ethics.html]
+    /// File to write [default: next to the study file, with the extension ethics.html]
     #[arg(short, long, value_name = "FILE.html")]
     output: Option<PathBuf>,
     #[command(flatten)]

@@ -111,12 +111,22 @@ pub fn filmstrip_svg(playback: &Playback, instants: usize, width: Width) -> Resu
     film(playback, Letters::Text).strip(instants, width.layout(), width.shown())
 }
 
-/// A picture whose letters are outlines as a PNG file.
+/// The end of the first chunk of a PNG file, whose length is always the same.
+const PNG_HEAD: usize = 33;
+/// The chunk of a PNG file that says that it has [`RESOLUTION`]: 11811 px per metre in both directions.
+const PNG_RESOLUTION: [u8; 21] = *b"\0\0\0\x09pHYs\0\0\x2e\x23\0\0\x2e\x23\x01\x78\xa5\x3f\x76";
+
+/// A picture whose letters are outlines as a PNG file. One whose width is in inches has its resolution, too, so
+/// that other programs show it in that width.
 ///
 /// # Errors
 /// It is too large.
 pub fn png(svg: &str, width: Width) -> Result<Vec<u8>, Error> {
-    raster(svg, width.pixels())?.encode_png().map_err(no_image)
+    let mut file = raster(svg, width.pixels())?.encode_png().map_err(no_image)?;
+    if let Width::Inches(_) = width {
+        file.splice(PNG_HEAD..PNG_HEAD, PNG_RESOLUTION);
+    }
+    Ok(file)
 }
 
 /// The filmstrip as a PNG file.

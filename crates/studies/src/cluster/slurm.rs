@@ -1,6 +1,7 @@
 //! Slurm: job arrays, and what the scheduler knows about their tasks.
 
 use super::{Array, ClusterError, Job};
+use cocarry::Error;
 use cocarry::suggestion::shell_word;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -117,7 +118,7 @@ pub fn check_available() -> Result<(), ClusterError> {
 
 /// The largest number that a task of an array may have on this cluster.
 fn most_tasks() -> Result<u64, ClusterError> {
-    let settings = ask("scontrol", &["show", "config"])?;
+    let settings = said_by("scontrol", &["show", "config"])?.map_err(|said| no_cluster(&said))?;
     let line = settings.lines().find_map(|line| line.trim().strip_prefix("MaxArraySize"));
     let size = line.and_then(|rest| rest.trim_start_matches([' ', '=']).trim().parse::<u64>().ok());
     Ok(size.map_or(MAX_TASKS, |size| size.saturating_sub(1)).max(1))
@@ -188,16 +189,35 @@ pub(super) fn last_array(job: &Job, shard: u64) -> Option<&Array> {
     job.description().arrays.iter().rev().find(|array| array.has(shard))
 }
 
+/// The error that Slurm's commands are there, but no cluster; `said` is what `scontrol` printed.
+fn no_cluster(said: &str) -> ClusterError {
+    let why = said.lines().last().unwrap_or_default();
+    let why = why.trim_start_matches("error:").trim_start_matches("fatal:").trim();
+    ClusterError::Refused(Error::new(format!(
+        "scontrol: no Slurm cluster answers ({why}); run this on a login node, where `scontrol ping` finds the controller that slurm.conf (or SLURM_CONF) names, or use --no-submit and submit the script yourself"
+    )))
+}
+
 /// Runs a command of the scheduler. Returns what it printed.
 fn ask(program: &'static str, arguments: &[impl AsRef<str>]) -> Result<String, ClusterError> {
+    said_by(program, arguments)?.map_err(|said| ClusterError::scheduler(program.to_owned(), said))
+}
+
+/// Runs a command of the scheduler. Returns what it printed, or, if it failed, why.
+fn said_by(
+    program: &'static str,
+    arguments: &[impl AsRef<str>],
+) -> Result<Result<String, String>, ClusterError> {
     let output = Command::new(program).args(arguments.iter().map(AsRef::as_ref)).output();
     let output = output.map_err(|source| ClusterError::no_scheduler(program, source))?;
-    if !output.status.success() {
-        let said = String::from_utf8_lossy(&output.stderr).trim().to_owned();
-        let said = if said.is_empty() { output.status.to_string() } else { said };
-        return Err(ClusterError::scheduler(program.to_owned(), said));
+    if output.status.success() {
+        return Ok(Ok(String::from_utf8_lossy(&output.stdout).into_owned()));
     }
-    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+    let said = String::from_utf8_lossy(&output.stderr);
+    // its name is before each line
+    let line = |line: &str| line.trim().trim_start_matches(program).trim_start_matches(':').trim().to_owned();
+    let lines: Vec<String> = said.lines().map(line).filter(|line| !line.is_empty()).collect();
+    Ok(Err(if lines.is_empty() { output.status.to_string() } else { lines.join("\n") }))
 }
 
 #[cfg(test)]

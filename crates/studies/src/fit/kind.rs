@@ -4,7 +4,7 @@ use super::csv_text::{header, read_csv_text};
 use super::table::no_rows;
 use cocarry::Error;
 use cocarry::error::Place;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The kind of a file, by what participants did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,11 +16,51 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// The kind of a CSV file: answers have a column `percent`, switches a column `step`.
+    const ALL: [Self; 2] = [Self::Answers, Self::Switches];
+
+    /// Its name in a folder of `cocarry new` or `cocarry study collect`.
+    pub fn file_name(self) -> &'static str {
+        match self {
+            Self::Answers => "answers.csv",
+            Self::Switches => "switches.csv",
+        }
+    }
+
+    /// What its columns are, for errors.
+    fn columns(self) -> &'static str {
+        match self {
+            Self::Answers => "participant, world, option and percent",
+            Self::Switches => "participant, world, option or method, and step",
+        }
+    }
+
+    /// The file of this kind in `path`, if that is a folder; otherwise `path` itself.
+    ///
+    /// # Errors
+    /// The folder has no such file.
+    pub fn within(self, path: &Path) -> Result<PathBuf, Error> {
+        if !path.is_dir() {
+            return Ok(path.to_owned());
+        }
+        let inside = path.join(self.file_name());
+        if inside.is_file() {
+            return Ok(inside);
+        }
+        let sentence = format_args!(
+            "a folder without {}; expected that file in it, or a CSV file with the columns {}",
+            self.file_name(),
+            self.columns()
+        );
+        Err(Error::at(Place::file(path.display().to_string()), sentence))
+    }
+
+    /// The kind of a CSV file, or of the one in a folder: answers have a column `percent`, switches a column
+    /// `step`.
     ///
     /// # Errors
     /// The file cannot be read, is empty, or has neither or both.
     pub fn of(path: &Path) -> Result<Self, Error> {
+        let path = &participants_file(path)?;
         let file = path.display().to_string();
         let (text, delimiter) = read_csv_text(path)?;
         let Some(header) = header(&text) else {
@@ -40,4 +80,23 @@ impl Kind {
             )),
         }
     }
+}
+
+/// The file of participants in `path`, if that is a folder: its answers or its switches; otherwise `path`
+/// itself.
+///
+/// # Errors
+/// The folder has neither, or both.
+pub fn participants_file(path: &Path) -> Result<PathBuf, Error> {
+    if !path.is_dir() {
+        return Ok(path.to_owned());
+    }
+    let [answers, switches] = Kind::ALL.map(|kind| path.join(kind.file_name()));
+    let sentence = match (answers.is_file(), switches.is_file()) {
+        (true, false) => return Ok(answers),
+        (false, true) => return Ok(switches),
+        (false, false) => "a folder without answers.csv and switches.csv; expected one of these files in it",
+        (true, true) => "a folder with answers.csv and switches.csv; name the files that are meant",
+    };
+    Err(Error::at(Place::file(path.display().to_string()), sentence))
 }

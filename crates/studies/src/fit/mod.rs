@@ -26,7 +26,7 @@ pub use infer::{
     Model as InferenceModel, OptionCheck, PERCEPTION_UNITS, PerceptionScore, Person, Population, QUANTITIES,
     Score, Settings as InferenceSettings, Switches, Walk, compare_perceptions, infer, infer_means,
 };
-pub use kind::Kind;
+pub use kind::{Kind, participants_file};
 pub use lognormal::{LogNormal, MIN_BOUNDED, MIN_DRAWS, NoInterval};
 pub use risk_weight::{
     CELL_ERROR, Errors, Estimate, LEAST_SQUARES_CAUTION, RiskWeightFit, RiskWeightSettings, Row,
@@ -34,5 +34,6 @@ pub use risk_weight::{
 };
 pub use set::Set;
 pub use switches::{Executed, Switch, SwitchFile};
+pub(crate) use table::NAME;
 pub use table::{Column as TableColumn, Line as TableLine, bad_cell, read as table_rows, similar_names};
 pub use walk::{Guidance, Piece};

@@ -31,7 +31,7 @@ impl Column {
 }
 
 /// What a cell with a name must be.
-pub(super) const NAME: &str = "a name; pandas and R read NA, null and None as missing, unless told otherwise (keep_default_na=False, na.strings)";
+pub(crate) const NAME: &str = "a name; pandas and R read NA, null and None as missing, unless told otherwise (keep_default_na=False, na.strings)";
 
 /// The largest number of participants of a file, of its worlds, and of both multiplied: memory and time are
 /// taken for each.

@@ -1,5 +1,6 @@
 //! Errors of study files and of the files of a sweep, each with its file, place and value.
 
+use crate::fit::{NAME, bad_cell};
 use cocarry::error::{Error, Place};
 use cocarry::suggestion::{Expected, hint};
 use cocarry_output::output_file::OutputError;
@@ -116,6 +117,15 @@ impl SweepError {
     /// A row that is not the expected one.
     pub(super) fn row(position: Position, file: String, found: String, expected: String) -> Self {
         Self::of_file(file, format_args!("{position} is {found}; it must be {expected}"))
+    }
+
+    /// A row without a name that every row has.
+    pub(super) fn missing_name(file: &str, position: Position, column: &str, cell: &str) -> Self {
+        let place = match position {
+            Position::Line(number) => Place::line(file, number, column),
+            Position::Row(_) => Place::item(file, format!("{position}: {column}")),
+        };
+        Self::Refused(bad_cell(place, cell, NAME))
     }
 
     /// A Parquet file that cannot be read.

@@ -46,10 +46,12 @@ use cell::Cell;
 use cocarry::arithmetic;
 use cocarry::episode::{Episode, Settings};
 use cocarry::error::Place;
-use cocarry::preference::{Predictor, RISK_WEIGHT};
+use cocarry::preference::{Perception, Predictor, RISK_WEIGHT};
 use cocarry::quantities::Heading;
 use cocarry::robot::SlowDrive;
-use cocarry::scenario::{Plant, PlantKind, PreparedScenario, RobotSetup, SETTINGS, Scenario};
+use cocarry::scenario::{
+    GivenPerception, Plant, PlantKind, PreparedScenario, RobotSetup, SETTINGS, Scenario,
+};
 use cocarry::{bounds, located};
 use file::Contents;
 use origin::Origin;
@@ -85,6 +87,7 @@ pub struct Study {
     /// Drives that are slower than the walking speed of their team, each once.
     slow_drives: Vec<SlowDrive>,
     robot_warnings: Vec<String>,
+    human_warnings: Vec<String>,
     /// In the order of their seeds.
     blocks: Vec<Block>,
     /// The number of episodes.
@@ -166,12 +169,14 @@ impl Study {
             prepared_of: Vec::new(),
             slow_drives: Vec::new(),
             robot_warnings: Vec::new(),
+            human_warnings: Vec::new(),
             blocks,
             episodes,
         };
         study.refuse_repetition()?;
         study.set_bases()?;
         study.prepare()?;
+        study.warn_of_humans()?;
         study.digest = study.hash()?;
         Ok(study)
     }
@@ -233,6 +238,12 @@ impl Study {
     /// Warnings about robots in their worlds, each once: see [`PreparedScenario::robot_warnings`].
     pub fn robot_warnings(&self) -> &[String] {
         &self.robot_warnings
+    }
+
+    /// Warnings about an alpha or a gamma that is the same for all humans, each once: see
+    /// [`PreparedScenario::warnings`].
+    pub fn human_warnings(&self) -> &[String] {
+        &self.human_warnings
     }
 
     /// The scenario of a cell with everything that is drawn from the seed.
@@ -321,6 +332,33 @@ impl Study {
                 self.prepared.push(made);
             }
             self.prepared_of.push(at);
+        }
+        Ok(())
+    }
+
+    /// Sets `human_warnings`, by a scenario of each population of humans with a given parameter.
+    fn warn_of_humans(&mut self) -> Result<(), SweepError> {
+        // of a drawn parameter, one draw says nothing about the others
+        const PLAUSIBLE: f64 = 1.0;
+        let mut known = BTreeSet::new();
+        for i in 0..self.cells.len() {
+            let humans = self.cells[i].humans;
+            let GivenPerception { alpha, gamma } = self.contents.humans[humans].1.given();
+            if !known.insert(humans) || alpha.or(gamma).is_none() {
+                continue;
+            }
+            let human = Perception { alpha: alpha.unwrap_or(PLAUSIBLE), gamma: gamma.unwrap_or(PLAUSIBLE) };
+            let scenario = Scenario { human, ..self.scenario_of(i, 0) };
+            let made = self.prepared[self.prepared_of[i]].prepare(scenario);
+            let made = made.map_err(|source| self.refused(i, source))?;
+            let slow = made.slow_drive().map(ToString::to_string);
+            let others: Vec<String> = slow.into_iter().chain(made.robot_warnings()).collect();
+            let new = made.warnings().into_iter().filter(|warning| !others.contains(warning));
+            for warning in new {
+                if !self.human_warnings.contains(&warning) {
+                    self.human_warnings.push(warning);
+                }
+            }
         }
         Ok(())
     }

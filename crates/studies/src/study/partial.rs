@@ -79,10 +79,10 @@ impl<S: Borrow<Study>> Sweep<S> {
         SweepOutputs { rows: path, ticks, overwrite }: SweepOutputs,
     ) -> Result<Self, SweepError> {
         let study = owner.borrow();
-        results::check_name(path)?;
         if ticks == Some(path) {
             return Err(SweepError::same_name(path.display().to_string()));
         }
+        results::check_name(path)?;
         let episodes = shard.map_or(0..study.episodes(), |shard| shard.episodes(study.episodes()));
         if let Some(folder) = ticks {
             tables::check(&folder.display().to_string())?;
@@ -231,6 +231,8 @@ pub fn rows_with(
 /// The number of rows in `path`, if these are all rows of the study, or of a shard of it, as CSV: a sweep
 /// would write the same file.
 pub fn complete_rows(study: &Study, shard: Option<Shard>, path: &Path) -> Option<u64> {
+    // a sweep would not write a file of another name
+    results::check_name(path).ok()?;
     let episodes = shard.map_or(0..study.episodes(), |shard| shard.episodes(study.episodes()));
     let file = located::open(path).ok()?;
     let length = file.metadata().ok()?.len();

@@ -80,6 +80,25 @@ fn as_written(heading: &Heading, cell: &str) -> String {
     }
 }
 
+/// The columns that have a name in every row.
+const NAMED: [&str; 5] = ["world", "humans", "belief", "method", "human_model"];
+
+/// The check, for a row that another program has written anew, that it has kept the names: it may have read
+/// one as a missing value.
+fn check_names(
+    headings: &[Heading],
+    fields: &csv::StringRecord,
+    file: &str,
+    position: Position,
+) -> Result<(), SweepError> {
+    let is_missing = |cell: &str| cell.trim().is_empty() || cell.trim().eq_ignore_ascii_case("nan");
+    let mut cells = headings.iter().map(|heading| heading.name).zip(fields);
+    match cells.find(|(name, cell)| NAMED.contains(name) && is_missing(cell)) {
+        Some((name, cell)) => Err(SweepError::missing_name(file, position, name, cell)),
+        None => Ok(()),
+    }
+}
+
 /// The check that the header is that of this version.
 pub(super) fn check_header(line: &[u8], file: &str) -> Result<(), SweepError> {
     let text = String::from_utf8_lossy(line);
@@ -116,9 +135,8 @@ pub(crate) fn check_name(path: &Path) -> Result<(), SweepError> {
     let file = path.display().to_string();
     match path.extension() {
         _ if is_parquet(path) => tables::check(&file),
-        None => Ok(()),
         Some(extension) if extension.eq_ignore_ascii_case("csv") => Ok(()),
-        Some(_) => Err(SweepError::extension(file)),
+        _ => Err(SweepError::extension(file)),
     }
 }
 
@@ -280,6 +298,7 @@ impl<'a> Rows<'a> {
         }
         let fields: csv::StringRecord =
             self.headings.iter().zip(&found).map(|(heading, cell)| as_written(heading, cell)).collect();
+        check_names(&self.headings, &fields, &self.file, self.position())?;
         self.is_rewritten |= fields != found;
         if row::wrong_checksum(&row::line_of_cells(fields.iter())).is_some() {
             self.unchecked += 1;
