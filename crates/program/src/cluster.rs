@@ -37,7 +37,7 @@ pub(super) enum Action {
 #[command(after_help = examples(&[
     ("cocarry cluster slurm study.toml -o study.csv --shards 100", "a hundred tasks"),
     ("cocarry cluster slurm study.toml -o study.csv --sbatch \"--time=4:00:00 --partition=short\"", "with options of sbatch"),
-    ("cocarry cluster slurm bench-1/full.toml -o mutual.csv --method mutual --shards 30", "the benchmark with a method"),
+    ("cocarry cluster slurm bench-1/full.toml -o full.csv --method mutual", "the benchmark with a method"),
     ("cocarry cluster slurm study.toml -o study.csv --no-submit", "only the files, to look at"),
 ]))]
 pub(super) struct SlurmArguments {
