@@ -377,8 +377,9 @@ fn humans_of_other_perceptions_prefer_their_own_least_cost() {
         let costs: Vec<f64> = lengths.iter().zip(&risks).map(|(d, s)| cost(*d, *s)).collect();
         (0..costs.len()).min_by(|a, b| costs[*a].total_cmp(&costs[*b])).map(|o| (o + 1).to_string())
     };
-    let weight = |s: f64| s.powf(0.5) / (s.powf(0.5) + (1.0 - s).powf(0.5)).powf(2.0);
-    let prospect = |d: f64, s: f64| weight(s) * (d + 40.0).powf(0.6) + (1.0 - weight(s)) * d.powf(0.6);
+    let weight = |s: f64| s.sqrt() / math::pow(s.sqrt() + (1.0 - s).sqrt(), 2.0);
+    let prospect =
+        |d: f64, s: f64| weight(s) * math::pow(d + 40.0, 0.6) + (1.0 - weight(s)) * math::pow(d, 0.6);
     let wanted = [
         ("expected-risk", least(&|d, s| d + 40.0 * s)),
         ("cvar(0.1)", least(&|d, s| d + 40.0 * f64::min(1.0, s / 0.1))),

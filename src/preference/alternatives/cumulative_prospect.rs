@@ -56,7 +56,7 @@ mod tests {
         assert!((weight(0.3, 1.0) - 0.3).abs() < 1e-15);
         // small risks count more, large ones less; 1/2 has 2^-d / (2^(1-d))^(1/d)
         assert!(weight(0.05, 0.69) > 0.05 && weight(0.9, 0.69) < 0.9);
-        let half = 2.0f64.powf(-0.69) / 2.0f64.powf((1.0 - 0.69) / 0.69);
+        let half = math::pow(2.0, -0.69) / math::pow(2.0, (1.0 - 0.69) / 0.69);
         assert!((weight(0.5, 0.69) - half).abs() < 1e-15);
         // rising everywhere at the least weighting
         let values: Vec<f64> = (0..=1000).map(|i| weight(f64::from(i) / 1000.0, 0.28)).collect();
