@@ -16,6 +16,12 @@ from importlib import metadata
 from typing import Any
 
 
+#: Attributes of classes that say nothing about their code. A copy of an object leaves `__slotnames__` in its class.
+_NO_CODE = frozenset(
+    ["__dict__", "__weakref__", "__doc__", "__module__", "__firstlineno__", "__static_attributes__", "__slotnames__"]
+)
+
+
 class _Digest:
     """A digest of objects, each visited once."""
 
@@ -102,7 +108,7 @@ class _Digest:
             return
         self.all(base for base in given.__mro__[1:] if base is not object)
         for name, part in sorted(vars(given).items()):
-            if name not in ("__dict__", "__weakref__", "__doc__", "__module__", "__firstlineno__", "__static_attributes__"):
+            if name not in _NO_CODE:
                 self.text(name)
                 self.add(part)
 

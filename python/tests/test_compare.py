@@ -375,3 +375,14 @@ def test_a_policy_is_scored_by_the_benchmark(tmp_path):
         cocarry.bench(folder, one)
     with pytest.raises(cocarry.StudyError, match="worlds = 'yes'"):
         cocarry.bench(folder, one, worlds="yes")
+
+
+def test_the_digest_of_a_class_is_the_same_after_its_episodes(tmp_path):
+    # copies of its objects leave a cache in the class
+    class Leads(cocarry.Policy):
+        def decide(self, view):
+            return 0
+
+    study = {"worlds": ["environment-1"], "plants": "point", "seeds": 2}
+    first = cocarry.sweep(study, policy=Leads)
+    assert list(cocarry.sweep(study, policy=Leads)["policy_code"]) == list(first["policy_code"])

@@ -8,6 +8,7 @@ import io
 import math
 import pathlib
 import pickle
+import sys
 import types
 import zipfile
 
