@@ -306,6 +306,7 @@ mod tests {
                 "json",
                 "ticks",
                 "svg",
+                "width",
                 "save_at",
                 "resume",
                 "record",
