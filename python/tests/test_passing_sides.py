@@ -23,15 +23,18 @@ pytestmark = pytest.mark.skipif(not FOLDER.is_dir(), reason="the examples are no
 OBSTACLE, GOAL = (0.0, 0.0), (2.0, 0.0)
 
 
-@pytest.fixture
-def inference(monkeypatch):
+@pytest.fixture(autouse=True)
+def examples_are_importable(monkeypatch):
     monkeypatch.syspath_prepend(str(FOLDER))
+
+
+@pytest.fixture
+def inference():
     return importlib.import_module("passing_inference")
 
 
 @pytest.fixture
-def control(monkeypatch):
-    monkeypatch.syspath_prepend(str(FOLDER))
+def control():
     return importlib.import_module("sampling_mpc")
 
 
@@ -137,8 +140,7 @@ def test_the_same_seed_gives_the_same_inputs(control):
 
 
 @pytest.fixture
-def scenes(monkeypatch):
-    monkeypatch.syspath_prepend(str(FOLDER))
+def scenes():
     return importlib.import_module("scenes")
 
 
@@ -238,8 +240,7 @@ def test_closed_form_boxes_are_as_near_as_polygons_of_their_corners(scenes):
 
 
 @pytest.fixture
-def partner(monkeypatch):
-    monkeypatch.syspath_prepend(str(FOLDER))
+def partner():
     paths = [np.array([(-2.0, 0.0), (0.0, side), (2.0, 0.0)]) for side in (0.7, -0.7)]
     return importlib.import_module("force_partner").ForcePartner(0, paths=paths, speed_m_per_s=0.3, damping=100.0, patience_ns=10.0)
 
@@ -277,8 +278,7 @@ def test_a_human_keeps_state_through_save_and_restore(partner):
 
 
 @pytest.mark.parametrize("policy", ["ic-mpc", "vanilla-mpc"])
-def test_the_policies_carry_deterministically_and_through_snapshots(monkeypatch, policy):
-    monkeypatch.syspath_prepend(str(FOLDER))
+def test_the_policies_carry_deterministically_and_through_snapshots(policy):
     tournament = importlib.import_module("tournament")
     scenario = cocarry.Scenario(cocarry.World(FOLDER / "room.toml"), plant="rapier", seed=3, speed_m_per_s=0.3)
 
@@ -297,7 +297,7 @@ def test_the_policies_carry_deterministically_and_through_snapshots(monkeypatch,
 
 
 @pytest.mark.parametrize("plant", ["rapier", "kinematic", "point"])
-def test_a_policy_without_a_scene_takes_the_walls_of_its_world_and_the_planning_step(monkeypatch, scenes, plant):
+def test_a_policy_without_a_scene_takes_the_walls_of_its_world_and_the_planning_step(scenes, plant):
     policies = importlib.import_module("passing_policies")
     scenario = cocarry.Scenario("environment-3", plant=plant, seed=1, speed_m_per_s=0.3, planning_step_s=0.25)
     found = cocarry.Episode(scenario, policy=policies.IcMpc)
@@ -333,8 +333,7 @@ def test_without_a_scene_the_team_starts_facing_the_way_of_the_robots_option(sce
     assert starts(lambda view: policies.IcMpc(scenes.Walls(scenario.world)).decide(view)) == pytest.approx(humans)
 
 
-def test_references_are_a_planning_step_apart(monkeypatch):
-    monkeypatch.syspath_prepend(str(FOLDER))
+def test_references_are_a_planning_step_apart():
     policies = importlib.import_module("passing_policies")
     way = policies.planned_poses(np.zeros(3), np.array([[0.2, 0.0]]), 0.25, 0.1)
     assert way == pytest.approx(np.stack([0.02 * np.arange(1, 9), np.zeros(8), np.zeros(8)], axis=-1))
@@ -342,8 +341,7 @@ def test_references_are_a_planning_step_apart(monkeypatch):
     assert turned[:, 2] == pytest.approx(np.full(8, math.pi / 2))
 
 
-def test_sweeps_take_the_policies_as_they_are(monkeypatch):
-    monkeypatch.syspath_prepend(str(FOLDER))
+def test_sweeps_take_the_policies_as_they_are():
     policies = importlib.import_module("passing_policies")
     study = {"worlds": ["environment-1", "environment-4"], "plants": "rapier", "seeds": 1, "max_steps": 5}
     rows = cocarry.sweep(study, policy=[policies.IcMpc, policies.VanillaMpc])
@@ -351,15 +349,13 @@ def test_sweeps_take_the_policies_as_they_are(monkeypatch):
     assert found == [(world, method, 5) for world in study["worlds"] for method in ("ic-mpc", "vanilla-mpc")]
 
 
-def test_a_preferred_side_is_carried_in_the_room_and_counts_as_a_success(monkeypatch):
-    monkeypatch.syspath_prepend(str(FOLDER))
+def test_a_preferred_side_is_carried_in_the_room_and_counts_as_a_success():
     tournament = importlib.import_module("tournament")
     result = tournament.play(tournament.Cell("room", "scripted", "human-led", 0))
     assert result.outcome == "success" and 15 < result.time_s < 20 and result.hand_acceleration_m_per_s2 < 0.1
 
 
-def test_closed_form_intervals_of_the_tournament(monkeypatch):
-    monkeypatch.syspath_prepend(str(FOLDER))
+def test_closed_form_intervals_of_the_tournament():
     tournament = importlib.import_module("tournament")
     assert tournament.share_interval(10, 10) == pytest.approx((1 / (1 + 1.959964**2 / 10), 1.0))
     assert tournament.mean_interval([2.0, 2.0, 2.0]) == (2.0, 2.0, 2.0)
@@ -367,14 +363,12 @@ def test_closed_form_intervals_of_the_tournament(monkeypatch):
 
 
 @pytest.fixture
-def network(monkeypatch):
-    monkeypatch.syspath_prepend(str(FOLDER))
+def network():
     return importlib.import_module("learned_network")
 
 
 @pytest.fixture
-def learned(monkeypatch):
-    monkeypatch.syspath_prepend(str(FOLDER))
+def learned():
     return importlib.import_module("learned_planner")
 
 
@@ -507,7 +501,7 @@ def written(monkeypatch, path, content):
         archive.writestr("archive/data.pkl", buffer.getvalue())
 
 
-def test_a_checkpoint_is_read_without_pytorch(monkeypatch, network, tmp_path):
+def test_a_checkpoint_is_read_without_pytorch(network, tmp_path):
     small = small_network(network)
     settings = argparse.Namespace(H=30, skip=5, include_actions=False)
     content = {"state_dict": small.parameters, "hyper_parameters": {"hparams": settings}, "epoch": 1}
@@ -518,7 +512,7 @@ def test_a_checkpoint_is_read_without_pytorch(monkeypatch, network, tmp_path):
         assert np.array_equal(found.parameters[name], value.astype(np.float32)), name
 
 
-def test_a_checkpoint_that_names_anything_else_is_refused_and_nothing_runs(monkeypatch, network, tmp_path):
+def test_a_checkpoint_that_names_anything_else_is_refused_and_nothing_runs(network, tmp_path):
     with zipfile.ZipFile(tmp_path / "bad.ckpt", "w") as archive:
         archive.writestr("archive/data.pkl", b"cbuiltins\nexec\n(S'raise SystemExit'\ntR.")
     with pytest.raises(ValueError, match=r"bad.ckpt: no file of PyTorch that can be read: it names builtins.exec"):

@@ -29,8 +29,8 @@ pub(super) const EXPECTED_RISK: HumanModel = HumanModel {
     make: |arguments, participant| make(&preference::EXPECTED_RISK, arguments, participant),
 };
 
-/// A human who prefers the option of least cost by a [`RiskPerception`] with fixed parameters, and takes the lead by
-/// eq. (5) like the paper's human.
+/// A human who prefers the option of least cost by a [`RiskPerception`] with fixed parameters, and takes the
+/// lead by eq. (5) like the paper's human.
 #[derive(Clone, Debug)]
 pub struct Perceiving {
     perception: &'static dyn RiskPerception,
@@ -104,5 +104,21 @@ impl Human for Perceiving {
     fn restore(&mut self, saved: &Saved) -> Result<(), RestoreError> {
         self.stubbornness = saved.read("human")?;
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::human::MODELS;
+    use crate::preference::ALTERNATIVES;
+
+    #[test]
+    fn every_perception_is_a_human_of_its_name_and_parameters() {
+        for perception in ALTERNATIVES {
+            let model = MODELS.into_iter().find(|model| model.name == perception.name()).unwrap();
+            let names: Vec<_> = perception.parameters().iter().map(|one| one.name.to_uppercase()).collect();
+            let arguments = if names.is_empty() { String::new() } else { format!("({})", names.join(",")) };
+            assert_eq!(model.form, format!("{}{arguments}", model.name));
+        }
     }
 }

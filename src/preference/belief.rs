@@ -96,6 +96,18 @@ impl SampleSet {
         }
     }
 
+    /// The sample at a share, from 0 to 1, of all weights in their order.
+    pub(super) fn at(&self, share: f64) -> Perception {
+        let mut left = share;
+        let is_there = |sample: &&WeightedSample| {
+            left -= sample.weight;
+            left < 0.0
+        };
+        // the weights sum to 1 up to rounding: what is beyond them belongs to the last sample
+        let found = self.samples.iter().find(is_there).unwrap_or(&self.samples[self.samples.len() - 1]);
+        found.perception
+    }
+
     /// The samples, with weights that sum to 1.
     pub fn samples(&self) -> &[WeightedSample] {
         &self.samples
@@ -140,17 +152,7 @@ impl Belief {
             Self::Independent { alpha, gamma } => {
                 Perception { alpha: alpha.sample(rng), gamma: gamma.sample(rng) }
             }
-            Self::Samples(set) => {
-                let mut left: f64 = rng.random();
-                for sample in &set.samples {
-                    left -= sample.weight;
-                    if left < 0.0 {
-                        return sample.perception;
-                    }
-                }
-                // The weights sum to 1 up to rounding: a draw beyond them belongs to the last sample.
-                set.samples[set.samples.len() - 1].perception
-            }
+            Self::Samples(set) => set.at(rng.random()),
         }
     }
 }

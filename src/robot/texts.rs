@@ -63,6 +63,12 @@ impl PartialEq for MeshFolder {
 impl Eq for MeshFolder {}
 
 impl RobotTexts {
+    /// The same without the folders of its meshes, as in a recording.
+    #[must_use]
+    pub fn without_folders(&self) -> Self {
+        Self { meshes: MeshFolder::default(), ..self.clone() }
+    }
+
     /// Reads a robot file (`.toml`) and the URDF that it names, or a URDF (`.urdf`, `.xml`) and the robot
     /// file of the same name next to it. A xacro is refused without `expand`.
     pub(super) fn read(path: &Path, expand: Option<&Expand>) -> Result<Self, Error> {

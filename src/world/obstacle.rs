@@ -156,7 +156,8 @@ impl Obstacle {
         }
     }
 
-    /// The rectangle of a box: its centre, its size along and across, m, and its yaw, rad; `None` for another shape.
+    /// The rectangle of a box: its centre, its size along and across, m, and its yaw, rad; `None` for another
+    /// shape.
     pub fn rectangle(&self) -> Option<(Point, [f64; 2], f64)> {
         match (self.shape, self.parts.first().map(|part| &part.solid)) {
             (ShapeEntry::Box, Some(Solid::Box { center, size, yaw })) => Some((*center, *size, *yaw)),

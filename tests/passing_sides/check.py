@@ -98,6 +98,14 @@ def report(what: str, count: int, largest: float, tolerance: float) -> None:
     print(f"{what:62} {count:7}  {largest:8.1e}  {tolerance:.0e}  {'ok' if largest <= tolerance else 'DIFFERS'}")
 
 
+def updated(library: Any, plan: Any, last: Any, noise: Any, pose: Any) -> Any:
+    """The plan of their library after an update from a plan, the last inputs and a pose, with this noise in place of its own."""
+    library.U, library.u_init = torch.tensor(plan), torch.tensor(last)
+    library.noise_dist = types.SimpleNamespace(rsample=lambda shape: torch.tensor(noise))
+    library.command(torch.tensor(pose))
+    return library.U
+
+
 def difference(ours: Any, other: Any) -> float:
     return float(np.max(np.abs(np.asarray(ours, float) - np.asarray(other, float))))
 
@@ -177,11 +185,7 @@ with mock.patch.object(torch, "float32", torch.float64):
         plan = generator.normal(0.0, 0.3, (mppi.horizon, 2))
         last = generator.uniform([0.0, -1.0], [0.3, 1.0])
         noise = generator.normal(0.0, [0.5, 1.0], (mppi.samples, mppi.horizon, 2))
-        library.U, library.u_init = torch.tensor(plan), torch.tensor(last)
-
-        # the noise of this update, in place of the library's own
-        library.noise_dist = types.SimpleNamespace(rsample=lambda shape, noise=noise: torch.tensor(noise))
-        library.command(torch.tensor(poses[i]))
+        theirs = updated(library, plan, last, noise, poses[i])
         ours = mppi.improved(
             np.concatenate([plan[1:], last[np.newaxis]]),
             noise,
@@ -189,7 +193,7 @@ with mock.patch.object(torch, "float32", torch.float64):
             lambda at: control.clearance_cost(at[:, :2], OBSTACLE) + control.uncertainty_cost(at, base_to_object, OBSTACLE, GOAL, human_velocity),
             lambda at: control.goal_cost(at[:, :2], GOAL),
         )
-        largest = max(largest, difference(ours, library.U))
+        largest = max(largest, difference(ours, theirs))
 report("plan after an MPPI update of 100 samples, double precision", ROLLOUTS * 30, largest, 1e-12)
 
 # 4. the learned planner, with their weights and the same noise: histories of a walk in their room at 15 Hz
@@ -294,9 +298,7 @@ with mock.patch.object(torch, "float32", torch.float64):
         plan = generator.normal(0.0, 0.3, (mppi.horizon, 2))
         last = generator.uniform([0.0, -1.0], [0.3, 1.0])
         noise = generator.normal(0.0, [0.5, 1.0], (mppi.samples, mppi.horizon, 2))
-        library.U, library.u_init = torch.tensor(plan), torch.tensor(last)
-        library.noise_dist = types.SimpleNamespace(rsample=lambda shape, noise=noise: torch.tensor(noise))
-        library.command(torch.tensor(poses[i]))
+        theirs = updated(library, plan, last, noise, poses[i])
         waypoints = (way - carried + poses[i, :2])[:: learned.WAYPOINT_STRIDE][: mppi.horizon]
         ours = mppi.improved(
             np.concatenate([plan[1:], last[np.newaxis]]),
@@ -305,7 +307,7 @@ with mock.patch.object(torch, "float32", torch.float64):
             lambda at, waypoints=waypoints: learned.horizon_cost(at, waypoints),
             lambda at: np.zeros(len(at)),
         )
-        largest = max(largest, difference(ours, library.U))
+        largest = max(largest, difference(ours, theirs))
 report("plan after an MPPI update that follows a prediction", ROLLOUTS * 30, largest, 1e-12)
 
 # 6. where the learned planner leads alone: the object follows the best prediction exactly, from 2.5 m before the post

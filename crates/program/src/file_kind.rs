@@ -5,6 +5,8 @@ use super::output::{Failure, input};
 use anyhow::{Error, anyhow};
 use cocarry::suggestion::shell_word;
 use cocarry::{bounds, located};
+use cocarry_studies::fit::Kind;
+use cocarry_studies::study;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -57,8 +59,6 @@ const HEAD: u64 = 16 << 10;
 const MCAP: &[u8] = b"\x89MCAP";
 /// The first bytes of a Parquet file.
 const PARQUET: &[u8] = b"PAR1";
-/// The beginning of the header of results.
-const RESULTS: [&str; 3] = ["episode", "episodes", "study"];
 
 /// The file of this kind in `path`, if that is a folder with one; otherwise `path` itself.
 pub(super) fn within(path: &Path, kind: FileKind) -> PathBuf {
@@ -114,18 +114,19 @@ fn by_first_bytes(path: &Path, kind: FileKind) -> Option<String> {
     let header = text.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('#'))?;
     let columns: Vec<&str> =
         header.split([',', ';', '\t']).map(|name| name.trim().trim_matches('"')).collect();
-    if columns.starts_with(&RESULTS) {
+    let results: Vec<&str> = study::columns().iter().take(3).map(|heading| heading.name).collect();
+    if columns.starts_with(&results) {
         return Some(format!(
             "these are the results of a sweep; `cocarry sweep --summary {file}` prints their tables, `cocarry compare {file}` compares its methods"
         ));
     }
-    match ["participant", "percent", "step"].map(|name| columns.contains(&name)) {
-        [true, true, false] => Some(format!(
+    match columns.contains(&"participant").then(|| Kind::of(path).ok()).flatten() {
+        Some(Kind::Answers) => Some(format!(
             "these are answers of participants; give them to `cocarry fit risk-weight {file}` or `cocarry infer {file}`"
         )),
-        [true, false, true] => Some(format!(
+        Some(Kind::Switches) => Some(format!(
             "these are switches of participants; give them to `cocarry fit eta {file}` or `cocarry infer {file}`"
         )),
-        _ => None,
+        None => None,
     }
 }

@@ -10,12 +10,11 @@ use super::xacro::XacroArguments;
 use anyhow::anyhow;
 use clap::Args;
 use cocarry::Error;
-use cocarry::robot::{Robot, RobotTexts};
+use cocarry::robot::Robot;
 use cocarry::scenario::{POSE, POSTURE, Plant, PlantKind, RobotSetup, SWAY, Scenario, Value};
 use cocarry::suggestion;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The plant and the robot.
 #[derive(Args, Debug)]
@@ -107,8 +106,8 @@ pub fn robot_names() -> [&'static str; ROBOTS.len()] {
     ROBOTS.map(|robot| robot.name)
 }
 
-/// The robot of this name that `cocarry export` writes, as it is read from its files; `None` if there is no robot
-/// of that name, or a file of that name.
+/// The robot of this name that `cocarry export` writes, as it is read from its files; `None` if there is no
+/// robot of that name, or a file of that name.
 ///
 /// # Errors
 /// The files of its meshes, which are read from a temporary folder, cannot be written there.
@@ -123,25 +122,19 @@ pub fn exported_robot(file: &Path) -> Option<Result<Robot, Error>> {
 
 /// The robot of these files. Its texts have the names that `cocarry export` gives them.
 fn read_exported(name: &str, files: &[(&str, &[u8])]) -> Result<Robot, Error> {
-    static NEXT: AtomicU64 = AtomicU64::new(0);
+    let written = || {
+        let folder = tempfile::tempdir()?;
+        for (file, bytes) in files {
+            let file = folder.path().join(file);
+            file.parent().map_or(Ok(()), std::fs::create_dir_all)?;
+            std::fs::write(file, bytes)?;
+        }
+        Ok(folder)
+    };
     let unwritten =
         |error: io::Error| Error::new(format!("{name}: its files cannot be written")).because(error);
-    let next = NEXT.fetch_add(1, Ordering::Relaxed);
-    let folder = std::env::temp_dir().join(format!("cocarry-{name}-{}-{next}", std::process::id()));
-    // one that is there already is not ours
-    std::fs::create_dir(&folder).map_err(unwritten)?;
-    let written = files.iter().try_for_each(|(file, bytes)| {
-        let file = folder.join(file);
-        file.parent().map_or(Ok(()), std::fs::create_dir_all)?;
-        std::fs::write(file, bytes)
-    });
-    let read = written.map_err(unwritten).and_then(|()| Robot::load(&folder.join(format!("{name}.toml"))));
-    // what is left of it is in the system's folder for such
-    let _ = std::fs::remove_dir_all(&folder);
-    // without the folder of the meshes, whose hulls the texts have
-    let texts = serde_json::to_value(&read?.texts).and_then(serde_json::from_value::<RobotTexts>);
-    let mut texts =
-        texts.map_err(|error| Error::new(format!("{name}: its texts cannot be kept")).because(error))?;
+    let folder = written().map_err(unwritten)?;
+    let mut texts = Robot::load(&folder.path().join(format!("{name}.toml")))?.texts.without_folders();
     (texts.file, texts.urdf_file) = (format!("{name}.toml"), format!("{name}.urdf"));
     Robot::parse(&texts)
 }

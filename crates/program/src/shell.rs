@@ -65,8 +65,8 @@ fn with_worlds(command: Command) -> Command {
 /// What completions say of the name of a world.
 const WORLD: &str = "built-in world";
 
-/// A script that also completes files as worlds. That of bash does where no name fits; those of fish, elvish and
-/// PowerShell know options only, to which the names are added.
+/// A script that also completes files as worlds. That of bash does where no name fits; those of fish, elvish
+/// and PowerShell know options only, to which the names are added.
 fn with_files(shell: Shell, script: &str) -> String {
     let names = world_names().collect::<Vec<_>>().join(" ");
     match shell {

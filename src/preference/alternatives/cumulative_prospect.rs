@@ -4,10 +4,11 @@ use super::{RiskParameter, RiskPerception};
 use crate::math;
 use crate::preference::Prospect;
 
-/// The value of a loss in cumulative prospect theory (A. Tversky and D. Kahneman, J. Risk and Uncertainty 5, 1992):
-/// w(S) (D + c_r)^b + (1 - w(S)) D^b, with w(S) = S^d / (S^d + (1 - S)^d)^(1/d). The exponent b is uniform from 0.5
-/// to 1, the weighting d from 0.28, below which w does not rise everywhere, to 1, where w(S) = S. Tversky and
-/// Kahneman found medians of 0.88 and 0.69. Their aversion to losses has no effect: all outcomes are losses.
+/// The value of a loss in cumulative prospect theory (A. Tversky and D. Kahneman, J. Risk and Uncertainty 5,
+/// 1992): w(S) (D + c_r)^b + (1 - w(S)) D^b, with w(S) = S^d / (S^d + (1 - S)^d)^(1/d). The exponent b is
+/// uniform from 0.5 to 1, the weighting d from 0.28, below which w does not rise everywhere, to 1, where w(S)
+/// = S. Tversky and Kahneman found medians of 0.88 and 0.69. Their aversion to losses has no effect: all
+/// outcomes are losses.
 pub const CUMULATIVE_PROSPECT: CumulativeProspect = CumulativeProspect;
 
 /// The type of [`CUMULATIVE_PROSPECT`].

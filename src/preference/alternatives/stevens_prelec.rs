@@ -41,15 +41,7 @@ impl RiskPerception for StevensPrelec {
                 [alpha, gamma].into_iter().zip(quantiles).map(|(marginal, u)| marginal.quantile(*u)).collect()
             }
             Belief::Samples(set) => {
-                let mut left = quantiles[0];
-                let is_there = |weight: f64| {
-                    left -= weight;
-                    left < 0.0
-                };
-                let weights: Vec<f64> = set.samples().iter().map(|sample| sample.weight).collect();
-                let found = weights.into_iter().map(is_there).position(|is_there| is_there);
-                let Perception { alpha, gamma } =
-                    set.samples()[found.unwrap_or(set.samples().len() - 1)].perception;
+                let Perception { alpha, gamma } = set.at(quantiles[0]);
                 vec![alpha, gamma]
             }
         }

@@ -33,7 +33,8 @@ fn slow(
     let mut sum = vec![0.0; prospects.len()];
     for i in 0..points {
         for j in 0..seconds {
-            let [chosen] = perception.choices(&[prospects], risk_weight, &[middle(i), middle(j)])[..] else {
+            let quantiles = [middle(i), middle(j)];
+            let [chosen] = choices(perception, &[prospects], risk_weight, &quantiles)[..] else {
                 panic!("one situation has one choice")
             };
             sum[chosen] += 1.0 / (points * seconds) as f64;
@@ -59,8 +60,9 @@ fn closed_form_without_distortion_every_cost_is_the_expected_one() {
 
 #[test]
 fn closed_form_two_options_by_conditional_value_at_risk() {
-    // 10 + 10 min(1, 0.2 / t) < 12 + 10 min(1, 0.1 / t): where both rise, 2 / t < 2 + 1 / t, so t > 1 / 2; for t from
-    // 0.2 down to 0.1 / 0.8 the first one stays at 20 and the second one rises to 20: the first one is cheaper below
+    // 10 + 10 min(1, 0.2 / t) < 12 + 10 min(1, 0.1 / t): where both rise, 2 / t < 2 + 1 / t, so t > 1 / 2;
+    // for t from 0.2 down to 0.1 / 0.8 the first one stays at 20 and the second one rises to 20: the first
+    // one is cheaper below
     let options = [Prospect::new(10.0, 0.2), Prospect::new(12.0, 0.1)];
     let shares = CONDITIONAL_VALUE_AT_RISK.probabilities(&options, 10.0);
     assert!((shares[0] - (0.5 + 0.125)).abs() < 1e-12, "{shares:?}");
@@ -116,12 +118,24 @@ fn the_papers_groups_are_near_its_exact_probabilities() {
 }
 
 #[test]
-fn cumulative_prospects_groups_are_those_of_a_fine_grid() {
-    for prospects in environments() {
-        let fine = slow(&CUMULATIVE_PROSPECT, &prospects, 10.0, 600);
-        let difference = largest_difference(&CUMULATIVE_PROSPECT.probabilities(&prospects, 10.0), &fine);
-        assert!(difference < 1e-3, "{difference}");
+fn cumulative_prospects_groups_are_those_of_a_fine_grid_and_of_many_rows() {
+    let mut split = 0;
+    for (prospects, risk_weight) in
+        environments().into_iter().flat_map(|prospects| [20.0, 40.0, 80.0].map(|c| (prospects.clone(), c)))
+    {
+        let found = CUMULATIVE_PROSPECT.probabilities(&prospects, risk_weight);
+        split += usize::from(found.iter().filter(|share| **share > 0.05).count() > 1);
+        // a grid misses each boundary by half a point
+        let fine = slow(&CUMULATIVE_PROSPECT, &prospects, risk_weight, 300);
+        assert!(largest_difference(&found, &fine) < 4e-3, "{found:?} {fine:?}");
+        let groups = groups_in_rows(&CUMULATIVE_PROSPECT, &[&prospects], risk_weight, 32 * ROWS);
+        let of = |o: usize| groups.iter().map(|group| group.share * group.preferred[0][o]).sum::<f64>();
+        let exact: Vec<f64> = (0..prospects.len()).map(of).collect();
+        let difference = largest_difference(&found, &exact);
+        assert!(difference < 5e-4, "{difference}");
     }
+    // people do differ
+    assert!(split >= 9, "{split}");
 }
 
 proptest! {

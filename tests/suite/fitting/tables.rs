@@ -164,7 +164,9 @@ fn a_folder_stands_for_the_file_in_it() {
     write("switches.csv", "participant,world,option,step\nanna,room.toml,1,40\nben,room.toml,1,30\n");
     let fit_eta = |file: &str| json(&["fit", "eta", file, "--json"]);
     assert_eq!(fit_eta(&whole), fit_eta(&switches));
-    refused(&["infer", &whole], &["answers.csv and switches.csv", "name the files"]);
+    // both files
+    let both = json(&["infer", &answers, &switches, "--draws", "100", "--json"]);
+    assert_eq!(inferred(&whole), both);
     std::fs::remove_file(&answers).expect("the answers");
     assert_eq!(inferred(&whole), inferred(&switches));
     refused(&["fit", "risk-weight", &whole], &["a folder without answers.csv"]);

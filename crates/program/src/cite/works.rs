@@ -1,6 +1,7 @@
 //! The works that an episode may have used, each with the condition for it.
 
 use super::reference::{Author, Kind, Reference};
+use cocarry::preference::{CONDITIONAL_VALUE_AT_RISK, CUMULATIVE_PROSPECT, RiskPerception};
 use cocarry::scenario::{PlantKind, Scenario};
 
 /// A work and who used it.
@@ -21,10 +22,14 @@ pub(super) const WORKS: [Work; 12] = [
     Work { is_general: false, is_used: chooses_by_logit, reference: |_| MCFADDEN },
     Work {
         is_general: false,
-        is_used: |scenario| is_human(scenario, "cumulative-prospect"),
+        is_used: |scenario| is_human(scenario, CUMULATIVE_PROSPECT.name()),
         reference: |_| TVERSKY,
     },
-    Work { is_general: false, is_used: |scenario| is_human(scenario, "cvar"), reference: |_| ROCKAFELLAR },
+    Work {
+        is_general: false,
+        is_used: |scenario| is_human(scenario, CONDITIONAL_VALUE_AT_RISK.name()),
+        reference: |_| ROCKAFELLAR,
+    },
     Work { is_general: false, is_used: has_controller, reference: |_| JUDICE },
     Work { is_general: false, is_used: has_controller, reference: |_| LAWSON },
     Work {

@@ -1,18 +1,15 @@
 //! The worlds named in participants' answers.
 
 use crate::model::{BeliefArguments, load_world_near};
-use crate::output::{Failure, input, note};
+use crate::output::{Failure, note};
 use anyhow::Context;
 use cocarry::world::World;
-use cocarry_studies::fit::{participants_file, similar_names};
+use cocarry_studies::fit::similar_names;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-/// The files that a fit reads: the answers in `file` or in that folder, their worlds, and the samples of the
-/// belief.
+/// The files that a fit reads: the answers in `file`, their worlds, and the samples of the belief.
 pub(crate) fn inputs<T>(file: &Path, worlds: &[(String, T)], belief: &BeliefArguments) -> Vec<PathBuf> {
-    // a folder that is refused is an input, too
-    let file = &participants_file(file).unwrap_or_else(|_| file.to_owned());
     let folder = file.parent().unwrap_or(Path::new(""));
     let worlds = worlds.iter().flat_map(|(world, _)| [folder.join(world), PathBuf::from(world)]);
     worlds.chain([file.to_owned()]).chain(belief.belief_samples.clone()).collect()
@@ -40,13 +37,12 @@ pub(crate) fn note_similar<'n>(participants: impl IntoIterator<Item = &'n str>) 
     }
 }
 
-/// The worlds that `file`, or the file in that folder, names, each prepared by `prepared`, with the first line that names it.
+/// The worlds that `file` names, each prepared by `prepared`, with the first line that names it.
 pub(crate) fn load<T, E: Error + Send + Sync + 'static>(
     file: &Path,
     worlds: Vec<(String, u64)>,
     prepared: impl Fn(World) -> Result<T, E>,
 ) -> Result<Vec<(String, T)>, Failure> {
-    let file = &participants_file(file).map_err(input)?;
     let folder = file.parent().unwrap_or(Path::new(""));
     let load = |(name, line): (String, u64)| {
         let place = || format!("{}:{line}: world = {name:?}", file.display());

@@ -20,7 +20,7 @@ use cocarry::scenario::{BELIEF_LAPSE, INITIAL_STUBBORNNESS, PLANNING_STEP, Plant
 use cocarry_recording::recording::{Reader, rerun, scenario};
 use cocarry_studies::fit::{
     AnswerFile, Answers, InferenceModel, InferenceSettings, Kind, PERCEPTION_UNITS, Situation, Switch,
-    SwitchFile, Switches, Walk, compare_perceptions, infer, infer_means,
+    SwitchFile, Switches, Walk, compare_perceptions, infer, infer_means, participants_files,
 };
 use cocarry_studies::report::people_columns;
 use serde_json::json;
@@ -50,7 +50,7 @@ use std::process::ExitCode;
     ("cocarry infer docs/data/table-1-humans.csv --means-of 20 --normalise", "a population from mean answers"),
 ]))]
 pub(super) struct InferArguments {
-    /// Answers (CSV), switches (CSV), recordings (MCAP)
+    /// Answers (CSV), switches (CSV), recordings (MCAP), or a folder with answers.csv, switches.csv or both
     #[arg(required = true)]
     files: Vec<PathBuf>,
     #[command(flatten)]
@@ -220,7 +220,8 @@ fn json_of_means(
 
 fn read(arguments: &InferArguments) -> Result<Read, Failure> {
     let mut read = Read { walks: Vec::new(), answers: None, switches: None, inputs: Vec::new() };
-    for file in &arguments.files {
+    let files = arguments.files.iter().map(|file| participants_files(file).map_err(input));
+    for file in files.collect::<Result<Vec<_>, _>>()?.iter().flatten() {
         if has_extension(file, "mcap") {
             read.walks.push(walk(arguments, file)?);
             read.inputs.push(file.clone());

@@ -2,6 +2,7 @@
 
 use super::film::film;
 use crate::recording::Playback;
+use ::png::{ColorType, PixelDimensions, Unit};
 use cocarry::Error;
 use cocarry_output::drawing::{Letters, Moment, NARROWEST, Sheet, Stimulus, WIDEST};
 use gif::{DisposalMethod, Encoder, Frame, Repeat};
@@ -111,21 +112,23 @@ pub fn filmstrip_svg(playback: &Playback, instants: usize, width: Width) -> Resu
     film(playback, Letters::Text).strip(instants, width.layout(), width.shown())
 }
 
-/// The end of the first chunk of a PNG file, whose length is always the same.
-const PNG_HEAD: usize = 33;
-/// The chunk of a PNG file that says that it has [`RESOLUTION`]: 11811 px per metre in both directions.
-const PNG_RESOLUTION: [u8; 21] = *b"\0\0\0\x09pHYs\0\0\x2e\x23\0\0\x2e\x23\x01\x78\xa5\x3f\x76";
-
 /// A picture whose letters are outlines as a PNG file. One whose width is in inches has its resolution, too, so
 /// that other programs show it in that width.
 ///
 /// # Errors
 /// It is too large.
 pub fn png(svg: &str, width: Width) -> Result<Vec<u8>, Error> {
-    let mut file = raster(svg, width.pixels())?.encode_png().map_err(no_image)?;
+    let picture = raster(svg, width.pixels())?;
+    let mut file = Vec::new();
+    let mut encoder = ::png::Encoder::new(&mut file, picture.width(), picture.height());
+    encoder.set_color(ColorType::Rgba);
     if let Width::Inches(_) = width {
-        file.splice(PNG_HEAD..PNG_HEAD, PNG_RESOLUTION);
+        let per_metre = (RESOLUTION / 0.0254).round() as u32;
+        encoder.set_pixel_dims(Some(PixelDimensions { xppu: per_metre, yppu: per_metre, unit: Unit::Meter }));
     }
+    let mut writer = encoder.write_header().map_err(no_image)?;
+    writer.write_image_data(&picture.take_demultiplied()).map_err(no_image)?;
+    writer.finish().map_err(no_image)?;
     Ok(file)
 }
 

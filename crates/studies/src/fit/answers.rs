@@ -1,6 +1,5 @@
 //! A file of participants' percentages, checked and normalised.
 
-use super::Kind;
 use super::table::{Column, NAME, bad_cell, check_counts, duplicate, named_worlds, read, rows_of};
 use cocarry::Error;
 use cocarry::episode::prospects;
@@ -70,12 +69,11 @@ impl Situation {
 }
 
 impl AnswerFile {
-    /// Reads a CSV file with the columns participant, world, option and percent, or the one in a folder.
+    /// Reads a CSV file with the columns participant, world, option and percent.
     ///
     /// # Errors
     /// The line, the column and the value.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let path = &Kind::Answers.within(path)?;
         let columns = ["participant", "world", "option", "percent"].map(Column::needed);
         let file = path.display().to_string();
         let mut rows = Vec::new();

@@ -54,13 +54,11 @@ impl Kind {
         Err(Error::at(Place::file(path.display().to_string()), sentence))
     }
 
-    /// The kind of a CSV file, or of the one in a folder: answers have a column `percent`, switches a column
-    /// `step`.
+    /// The kind of a CSV file: answers have a column `percent`, switches a column `step`.
     ///
     /// # Errors
     /// The file cannot be read, is empty, or has neither or both.
     pub fn of(path: &Path) -> Result<Self, Error> {
-        let path = &participants_file(path)?;
         let file = path.display().to_string();
         let (text, delimiter) = read_csv_text(path)?;
         let Some(header) = header(&text) else {
@@ -82,21 +80,22 @@ impl Kind {
     }
 }
 
-/// The file of participants in `path`, if that is a folder: its answers or its switches; otherwise `path`
-/// itself.
+/// The files of participants in `path`, if that is a folder: its answers, its switches, or both; otherwise
+/// `path` itself.
 ///
 /// # Errors
-/// The folder has neither, or both.
-pub fn participants_file(path: &Path) -> Result<PathBuf, Error> {
+/// The folder has neither.
+pub fn participants_files(path: &Path) -> Result<Vec<PathBuf>, Error> {
     if !path.is_dir() {
-        return Ok(path.to_owned());
+        return Ok(vec![path.to_owned()]);
     }
-    let [answers, switches] = Kind::ALL.map(|kind| path.join(kind.file_name()));
-    let sentence = match (answers.is_file(), switches.is_file()) {
-        (true, false) => return Ok(answers),
-        (false, true) => return Ok(switches),
-        (false, false) => "a folder without answers.csv and switches.csv; expected one of these files in it",
-        (true, true) => "a folder with answers.csv and switches.csv; name the files that are meant",
-    };
-    Err(Error::at(Place::file(path.display().to_string()), sentence))
+    let files: Vec<PathBuf> =
+        Kind::ALL.map(|kind| path.join(kind.file_name())).into_iter().filter(|file| file.is_file()).collect();
+    match files.is_empty() {
+        false => Ok(files),
+        true => Err(Error::at(
+            Place::file(path.display().to_string()),
+            "a folder without answers.csv and switches.csv; expected one of these files in it",
+        )),
+    }
 }

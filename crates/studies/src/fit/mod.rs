@@ -26,7 +26,7 @@ pub use infer::{
     Model as InferenceModel, OptionCheck, PERCEPTION_UNITS, PerceptionScore, Person, Population, QUANTITIES,
     Score, Settings as InferenceSettings, Switches, Walk, compare_perceptions, infer, infer_means,
 };
-pub use kind::{Kind, participants_file};
+pub use kind::{Kind, participants_files};
 pub use lognormal::{LogNormal, MIN_BOUNDED, MIN_DRAWS, NoInterval};
 pub use risk_weight::{
     CELL_ERROR, Errors, Estimate, LEAST_SQUARES_CAUTION, RiskWeightFit, RiskWeightSettings, Row,

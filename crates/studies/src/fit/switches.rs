@@ -1,7 +1,7 @@
 //! A file of switches, and the set of eta that each episode allows.
 
 use super::table::{Column, NAME, bad_cell, check_counts, duplicate, named_worlds, read, rows_of};
-use super::{Guidance, Kind, Set};
+use super::{Guidance, Set};
 use cocarry::Error;
 use cocarry::error::Place;
 use cocarry::policy::Method;
@@ -65,12 +65,11 @@ pub struct Switch {
 
 impl SwitchFile {
     /// Reads a CSV file with the columns participant, world, step, and option or method (or both, one of them
-    /// empty), and optionally trial; or the one in a folder.
+    /// empty), and optionally trial.
     ///
     /// # Errors
     /// The line, the column and the value.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let path = &Kind::Switches.within(path)?;
         let columns = [
             Column::needed("participant"),
             Column::needed("world"),

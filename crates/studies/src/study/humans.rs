@@ -1,9 +1,11 @@
 //! The distributions of a study's humans, by name.
 
+use super::{Study, SweepError};
 use cocarry::episode::{PreferenceChange, Settings};
 use cocarry::options::OptionSet;
-use cocarry::preference::{Belief, Marginal};
-use cocarry::scenario::{GivenPerception, PreferenceChanges, drawn_changes};
+use cocarry::preference::{Belief, Marginal, Perception};
+use cocarry::scenario::{GivenPerception, PreferenceChanges, Scenario, drawn_changes};
+use std::collections::BTreeSet;
 
 /// The source of one parameter of a human.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,5 +80,34 @@ impl std::fmt::Display for Range {
             Self::Drawn(marginal) => marginal.fmt(f),
             Self::Fixed(value) => value.fmt(f),
         }
+    }
+}
+
+impl Study {
+    /// Sets `human_warnings`, by a scenario of each population of humans with a given parameter.
+    pub(super) fn warn_of_humans(&mut self) -> Result<(), SweepError> {
+        // of a drawn parameter, one draw says nothing about the others
+        const PLAUSIBLE: f64 = 1.0;
+        let mut known = BTreeSet::new();
+        for i in 0..self.cells.len() {
+            let humans = self.cells[i].humans;
+            let GivenPerception { alpha, gamma } = self.contents.humans[humans].1.given();
+            if !known.insert(humans) || alpha.or(gamma).is_none() {
+                continue;
+            }
+            let human = Perception { alpha: alpha.unwrap_or(PLAUSIBLE), gamma: gamma.unwrap_or(PLAUSIBLE) };
+            let scenario = Scenario { human, ..self.scenario_of(i, 0) };
+            let made = self.prepared[self.prepared_of[i]].prepare(scenario);
+            let made = made.map_err(|source| self.refused(i, source))?;
+            let slow = made.slow_drive().map(ToString::to_string);
+            let others: Vec<String> = slow.into_iter().chain(made.robot_warnings()).collect();
+            let new = made.warnings().into_iter().filter(|warning| !others.contains(warning));
+            for warning in new {
+                if !self.human_warnings.contains(&warning) {
+                    self.human_warnings.push(warning);
+                }
+            }
+        }
+        Ok(())
     }
 }

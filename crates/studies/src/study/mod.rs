@@ -46,12 +46,10 @@ use cell::Cell;
 use cocarry::arithmetic;
 use cocarry::episode::{Episode, Settings};
 use cocarry::error::Place;
-use cocarry::preference::{Perception, Predictor, RISK_WEIGHT};
+use cocarry::preference::{Predictor, RISK_WEIGHT};
 use cocarry::quantities::Heading;
 use cocarry::robot::SlowDrive;
-use cocarry::scenario::{
-    GivenPerception, Plant, PlantKind, PreparedScenario, RobotSetup, SETTINGS, Scenario,
-};
+use cocarry::scenario::{Plant, PlantKind, PreparedScenario, RobotSetup, SETTINGS, Scenario};
 use cocarry::{bounds, located};
 use file::Contents;
 use origin::Origin;
@@ -332,33 +330,6 @@ impl Study {
                 self.prepared.push(made);
             }
             self.prepared_of.push(at);
-        }
-        Ok(())
-    }
-
-    /// Sets `human_warnings`, by a scenario of each population of humans with a given parameter.
-    fn warn_of_humans(&mut self) -> Result<(), SweepError> {
-        // of a drawn parameter, one draw says nothing about the others
-        const PLAUSIBLE: f64 = 1.0;
-        let mut known = BTreeSet::new();
-        for i in 0..self.cells.len() {
-            let humans = self.cells[i].humans;
-            let GivenPerception { alpha, gamma } = self.contents.humans[humans].1.given();
-            if !known.insert(humans) || alpha.or(gamma).is_none() {
-                continue;
-            }
-            let human = Perception { alpha: alpha.unwrap_or(PLAUSIBLE), gamma: gamma.unwrap_or(PLAUSIBLE) };
-            let scenario = Scenario { human, ..self.scenario_of(i, 0) };
-            let made = self.prepared[self.prepared_of[i]].prepare(scenario);
-            let made = made.map_err(|source| self.refused(i, source))?;
-            let slow = made.slow_drive().map(ToString::to_string);
-            let others: Vec<String> = slow.into_iter().chain(made.robot_warnings()).collect();
-            let new = made.warnings().into_iter().filter(|warning| !others.contains(warning));
-            for warning in new {
-                if !self.human_warnings.contains(&warning) {
-                    self.human_warnings.push(warning);
-                }
-            }
         }
         Ok(())
     }

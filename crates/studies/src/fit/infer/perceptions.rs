@@ -32,7 +32,8 @@ pub struct PerceptionScore {
     pub fitted_posterior: Score,
     /// As `prior`, with the same c_r.
     pub fitted_prior: Score,
-    /// Least and largest c_r of these fits, m; they are the given one times 2^(i/3), from a sixteenth to 16 times it.
+    /// Least and largest c_r of these fits, m; they are the given one times 2^(i/3), from a sixteenth to 16
+    /// times it.
     pub fitted_risk_weights: [f64; 2],
 }
 
@@ -75,7 +76,8 @@ impl Fitted {
         (0..self.likelihoods.len()).map(of).sum()
     }
 
-    /// The probability of each answer in a world for people of these weights; that nobody gives any if all are 0.
+    /// The probability of each answer in a world for people of these weights; that nobody gives any if all
+    /// are 0.
     fn predicted(&self, weights: &[f64], world: usize, lapse_rate: f64) -> Vec<f64> {
         let total: f64 = weights.iter().sum();
         let options = self.groups.first().map_or(0, |group| group.preferred[world].len());
