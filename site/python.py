@@ -28,7 +28,7 @@ with tempfile.TemporaryDirectory() as name:
     import cocarry._cocarry as native
 
     quantities, native.quantities = native.quantities, lambda *_: {}
-    import cocarry.datasets
+    import cocarry.datasets  # noqa: F401 - pydoc documents it, too
     import cocarry.environments as environments
 
     native.quantities = quantities

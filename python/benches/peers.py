@@ -21,8 +21,6 @@ import warnings
 import gymnasium
 import numpy as np
 
-import cocarry.environments
-
 ROUNDS, STEPS = 5, 480
 TAKEN = 60  # steps of an episode, before any ends
 

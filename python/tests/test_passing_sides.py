@@ -501,7 +501,7 @@ def written(monkeypatch, path, content):
         archive.writestr("archive/data.pkl", buffer.getvalue())
 
 
-def test_a_checkpoint_is_read_without_pytorch(network, tmp_path):
+def test_a_checkpoint_is_read_without_pytorch(monkeypatch, network, tmp_path):
     small = small_network(network)
     settings = argparse.Namespace(H=30, skip=5, include_actions=False)
     content = {"state_dict": small.parameters, "hyper_parameters": {"hparams": settings}, "epoch": 1}
@@ -512,7 +512,7 @@ def test_a_checkpoint_is_read_without_pytorch(network, tmp_path):
         assert np.array_equal(found.parameters[name], value.astype(np.float32)), name
 
 
-def test_a_checkpoint_that_names_anything_else_is_refused_and_nothing_runs(network, tmp_path):
+def test_a_checkpoint_that_names_anything_else_is_refused_and_nothing_runs(monkeypatch, network, tmp_path):
     with zipfile.ZipFile(tmp_path / "bad.ckpt", "w") as archive:
         archive.writestr("archive/data.pkl", b"cbuiltins\nexec\n(S'raise SystemExit'\ntR.")
     with pytest.raises(ValueError, match=r"bad.ckpt: no file of PyTorch that can be read: it names builtins.exec"):

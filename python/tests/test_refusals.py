@@ -233,7 +233,7 @@ class Keeps(cocarry.Policy):
 @pytest.mark.parametrize("steps", [0, 3])
 def test_a_policy_that_holds_its_episode_is_collected(steps):
     policy = Keeps()
-    policy.episode = cocarry.Episode(point(), policy=policy, human=lambda view: 0 if policy else 1)
+    policy.episode = cocarry.Episode(point(), policy=policy, human=lambda view, policy=policy: 0 if policy else 1)
     policy.episode.run(steps)
     assert policy.episode.policy is policy
     gone = weakref.ref(policy)

@@ -23,7 +23,6 @@ import numpy as np
 
 from force_partner import ForcePartner
 from learned_planner import SCORE_WALLS_PX, WINDOW_PX, LearnedPlanner
-from passing_inference import Floats
 from passing_policies import IcMpc, VanillaMpc
 from scenes import OnePost, Scene, Walls
 
