@@ -5,8 +5,8 @@
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, ZeroConeT};
 use cocarry::control::{
-    Candidate, ClosedForm, HORIZON, Limits, ModalReference, Mpc, PoseOptimiser, PoseProblem, Reference,
-    RobotObstacles, Settings, SolveOutcome, motion_cost,
+    Candidate, ClosedForm, ControlSettings, HORIZON, Limits, ModalReference, Mpc, PoseOptimiser, PoseProblem,
+    Reference, RobotObstacles, SolveOutcome, motion_cost,
 };
 use cocarry::episode::{self, Episode, Manipulator};
 use cocarry::geometry::{PlanarPose, Point, direction};
@@ -36,14 +36,14 @@ const LIMITED_BUDGET: Duration = Duration::from_millis(1);
 const SLOW: f64 = 0.15;
 
 /// An arm anywhere inside its limits, and four ways that it may be led at walking speed.
-struct State {
+struct BenchState {
     q: Configuration,
     at: Kinematics,
     references: Vec<Reference>,
     weights: [f64; 4],
 }
 
-fn random_state(robot: &Robot, seed: u64) -> State {
+fn random_state(robot: &Robot, seed: u64) -> BenchState {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut joints = JointVector::zeros();
     for (q, joint) in joints.iter_mut().zip(&robot.joints) {
@@ -61,10 +61,10 @@ fn random_state(robot: &Robot, seed: u64) -> State {
             Reference::from_fn(|row, t| offset[row] + way[row] * (t + 1) as f64)
         })
         .collect();
-    State { q, at, references, weights: std::array::from_fn(|_| rng.random_range(0.0..1.0)) }
+    BenchState { q, at, references, weights: std::array::from_fn(|_| rng.random_range(0.0..1.0)) }
 }
 
-fn problem<'a>(robot: &'a Robot, state: &'a State) -> PoseProblem<'a> {
+fn problem<'a>(robot: &'a Robot, state: &'a BenchState) -> PoseProblem<'a> {
     PoseProblem {
         robot,
         configuration: &state.q,
@@ -154,12 +154,12 @@ fn naive_mpc(robot: &Robot, b: &InputJacobian, candidate: &Candidate, reference:
 }
 
 /// Eq. (8) by one such program for every candidate and option: all totals.
-fn naive_totals(robot: &Robot, state: &State, found: &[Candidate]) -> Vec<f64> {
+fn naive_totals(robot: &Robot, state: &BenchState, found: &[Candidate]) -> Vec<f64> {
     let total = |candidate: &Candidate| {
         let b = robot.kinematics(&candidate.configuration).jacobian * PERIOD;
         let costs = state.references.iter().zip(state.weights);
         costs.map(|(reference, weight)| weight * naive_mpc(robot, &b, candidate, reference)).sum::<f64>()
-            + motion_cost(robot, candidate, &state.q, &Settings::default())
+            + motion_cost(robot, candidate, &state.q, &ControlSettings::default())
     };
     found.iter().map(total).collect()
 }
@@ -191,7 +191,7 @@ fn mpc(c: &mut Criterion) {
 
 fn report_pose() {
     let robot = Robot::built_in().expect("the built-in robot");
-    let settings = Settings::default();
+    let settings = ControlSettings::default();
     let (mut poses, mut solver, mut limits) = (PoseOptimiser::default(), Mpc::default(), Limits::new(&robot));
     let (mut ours, mut theirs, mut programs) = (Duration::ZERO, Duration::ZERO, 0);
     for seed in 0..TIMED {
@@ -242,10 +242,11 @@ fn tick_times(environment: usize, share: f64) -> (Vec<Duration>, usize) {
     let world = ENVIRONMENTS[environment].world().expect("a built-in world");
     let options = OptionSet::new(&world, 10.0).expect("its options");
     let obstacles = RobotObstacles::new(&world);
-    let settings = episode::Settings { method: Method::HUMAN_LED, ..episode::Settings::default() };
+    let settings =
+        episode::EpisodeSettings { method: Method::HUMAN_LED, ..episode::EpisodeSettings::default() };
     let posture = robot.postures[0].joints;
     let manipulator =
-        Manipulator { robot: &robot, posture, control: Settings::default(), obstacles: &obstacles };
+        Manipulator { robot: &robot, posture, control: ControlSettings::default(), obstacles: &obstacles };
     let (mut times, mut limited) = (Vec::new(), 0);
     for _ in 0..5 {
         let mut episode = Episode::builder(&options, &settings, EXAMPLE_HUMAN)

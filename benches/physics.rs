@@ -114,7 +114,7 @@ struct Run {
 fn episode(rate_hz: f64, solver_iterations: usize) -> Run {
     let robot = Robot::built_in().expect("the built-in robot");
     let posture = robot.postures[0].name.clone();
-    let carrier = RobotSetup { posture, control: control::Settings::default(), robot: robot.into() };
+    let carrier = RobotSetup { posture, control: control::ControlSettings::default(), robot: robot.into() };
     let physics = PhysicsSettings { rate_hz, solver_iterations, ..PhysicsSettings::default() };
     let scenario = Scenario {
         seed: 1,

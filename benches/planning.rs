@@ -1,7 +1,7 @@
 //! One planning tick (all options, P_o, expected costs, eq. 6) against a budget of 20 us and against planning
 //! anew in every tick; and the options of worlds of 100 to 3,000 obstacles.
 
-use cocarry::episode::{Episode, Settings};
+use cocarry::episode::{Episode, EpisodeSettings};
 use cocarry::options::OptionSet;
 use cocarry::world::World;
 use cocarry_studies::paper::{ENVIRONMENTS, EXAMPLE_HUMAN};
@@ -30,7 +30,7 @@ fn worlds() -> Vec<(World, OptionSet)> {
         .collect()
 }
 
-fn at_step<'a>(set: &'a OptionSet, settings: &'a Settings) -> Episode<'a> {
+fn at_step<'a>(set: &'a OptionSet, settings: &'a EpisodeSettings) -> Episode<'a> {
     let mut episode = Episode::new(set, settings, EXAMPLE_HUMAN);
     for _ in 0..STEP {
         episode.step();
@@ -39,7 +39,7 @@ fn at_step<'a>(set: &'a OptionSet, settings: &'a Settings) -> Episode<'a> {
 }
 
 fn planning(c: &mut Criterion) {
-    let settings = Settings::default();
+    let settings = EpisodeSettings::default();
     let mut group = c.benchmark_group("planning_tick");
     for (world, set) in &worlds() {
         let episode = at_step(set, &settings);
@@ -70,7 +70,7 @@ fn median<T>(mut make: impl FnMut() -> T, mut call: impl FnMut(&mut T)) -> Durat
 }
 
 fn report() {
-    let settings = Settings::default();
+    let settings = EpisodeSettings::default();
     println!("\nplanning tick, median (budget {BUDGET:?} for 4 options)");
     let worlds = worlds();
     for (world, set) in &worlds {

@@ -21,7 +21,7 @@ const EPISODES: usize = 15;
 fn prepared(environment: usize) -> PreparedScenario {
     let robot = Robot::built_in().expect("the built-in robot");
     let posture = robot.postures[0].name.clone();
-    let carrier = RobotSetup { posture, control: control::Settings::default(), robot: robot.into() };
+    let carrier = RobotSetup { posture, control: control::ControlSettings::default(), robot: robot.into() };
     let scenario = Scenario {
         seed: 1,
         world: paper::ENVIRONMENTS[environment].world().expect("a world of the repository").into(),

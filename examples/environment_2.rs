@@ -18,7 +18,7 @@
 //! ln(1 / phi(0)); what it is below or above that, in units of 2, is squared and added.
 
 use cocarry::coordination;
-use cocarry::episode::{Settings, prospects};
+use cocarry::episode::{EpisodeSettings, prospects};
 use cocarry::math;
 use cocarry::options::OptionSet;
 use cocarry::preference::ChoiceDistribution;
@@ -146,7 +146,7 @@ struct Cells {
 impl Cells {
     /// Of a geometry, over a grid of humans. `None` where it is not possible, or Table I is off by more than
     /// the objective may be.
-    fn of(layout: &Layout, settings: &Settings, grid: usize, limit: f64) -> Option<Self> {
+    fn of(layout: &Layout, settings: &EpisodeSettings, grid: usize, limit: f64) -> Option<Self> {
         let text = is_possible(layout).then(|| world(layout))?;
         let world = World::parse("environment-2", &text).ok()?;
         let set = OptionSet::new(&world, settings.predictor.risk_weight()).ok()?;
@@ -154,8 +154,8 @@ impl Cells {
         settings.predictor.clone().predict(&prospects(&set, &set.begin()), &mut choice);
         let choices: [f64; 4] = choice.probabilities().try_into().ok()?;
         let world = GivenWorld::from(world);
-        let coordination = coordination::Settings { eta: 1e6, ..settings.coordination };
-        let led = Settings { coordination, predict_while_human_leads: false, ..settings.clone() };
+        let coordination = coordination::StubbornnessSettings { eta: 1e6, ..settings.coordination };
+        let led = EpisodeSettings { coordination, predict_while_human_leads: false, ..settings.clone() };
         let led = Scenario { settings: led, ..Scenario::new(world.clone(), Plant::Point) }.prepare().ok()?;
         let mut episode = led.episode().ok()?;
         while episode.step().is_none() {}
@@ -197,7 +197,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let number = |i: usize, default: f64| std::env::args().nth(i).map_or(Ok(default), |text| text.parse());
     let (tries, seed, first_wall) =
         (number(1, 10.0)? as usize, number(2, 0.0)? as u64, number(3, BUILT_IN[3])?);
-    let settings = Settings::default();
+    let settings = EpisodeSettings::default();
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut best = begin(first_wall);
     for grid in GRIDS {

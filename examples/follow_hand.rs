@@ -7,7 +7,7 @@
 //! ```
 
 use cocarry::control::{self, RobotObstacles};
-use cocarry::episode::{Episode, Manipulator, Settings, Summary};
+use cocarry::episode::{Episode, EpisodeSettings, Manipulator, Summary};
 use cocarry::geometry::{Point, angle_of, direction, wrap_angle};
 use cocarry::human::{Human, HumanDecision, HumanView, Stance};
 use cocarry::math;
@@ -82,12 +82,13 @@ impl Human for Steering {
 pub fn followed(environment: &Environment, way: Way) -> Result<Summary, Box<dyn std::error::Error>> {
     let world = environment.world()?;
     let robot = Robot::built_in()?;
-    let settings = Settings { method: Method::FOLLOW_HAND, tick_limit: Some(300), ..Settings::default() };
+    let settings =
+        EpisodeSettings { method: Method::FOLLOW_HAND, tick_limit: Some(300), ..EpisodeSettings::default() };
     let options = OptionSet::new(&world, settings.predictor.risk_weight())?;
     let manipulator = Manipulator {
         robot: &robot,
         posture: robot.postures[0].joints,
-        control: control::Settings::default(),
+        control: control::ControlSettings::default(),
         obstacles: &RobotObstacles::new(&world),
     };
     let mut episode = Episode::builder(&options, &settings, EXAMPLE_HUMAN)

@@ -6,7 +6,7 @@
 //! ```
 
 use cocarry::coordination::Mode;
-use cocarry::episode::{Episode, Settings};
+use cocarry::episode::{Episode, EpisodeSettings};
 use cocarry::human::{Human, HumanDecision, HumanView, Stance};
 use cocarry::options::OptionSet;
 use cocarry_studies::paper;
@@ -39,7 +39,7 @@ impl Human for Cautious {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let world = paper::ENVIRONMENTS[3].world()?;
-    let settings = Settings::default();
+    let settings = EpisodeSettings::default();
     let options = OptionSet::new(&world, settings.predictor.risk_weight())?;
     let mut episode = Episode::builder(&options, &settings, paper::EXAMPLE_HUMAN)
         .with_human(Cautious::default())

@@ -5,7 +5,7 @@
 //! ```
 
 use cocarry::coordination::Mode;
-use cocarry::episode::{Episode, Settings};
+use cocarry::episode::{Episode, EpisodeSettings};
 use cocarry::human::Stance;
 use cocarry::options::OptionSet;
 use cocarry::policy::{Decision, RobotPolicy, RobotView};
@@ -34,7 +34,7 @@ impl RobotPolicy for OwnPolicy {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let world = paper::ENVIRONMENTS[3].world()?;
-    let settings = Settings::default();
+    let settings = EpisodeSettings::default();
     let options = OptionSet::new(&world, settings.predictor.risk_weight())?;
     let mut own =
         Episode::builder(&options, &settings, paper::EXAMPLE_HUMAN).with_policy(OwnPolicy).begin()?;

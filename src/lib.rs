@@ -62,26 +62,26 @@
 //! | P_o, eq. (4) | [`preference::ChoiceDistribution`] | - |
 //! | R_o (Sec. IV-A) | [`preference::Regions`] | - |
 //! | J~_o, eq. (6) | [`preference::Predictor::expected_costs`] | - |
-//! | phi(k), g(k), eta, eq. (5) | [`coordination::Stubbornness`], [`coordination::Settings`] | - |
+//! | phi(k), g(k), eta, eq. (5) | [`coordination::Stubbornness`], [`coordination::StubbornnessSettings`] | - |
 //! | omega_o(k) | [`coordination::is_misaligned`] | - |
 //! | o*(k), eq. (6) | [`coordination::robot_choice`] | - |
 //! | q, q_c | [`robot::Configuration`] | m, rad |
 //! | x, s | [`robot::Kinematics::grasp`], [`episode::RobotTick::grasp_goal`]; in eq. (7) relative to the grasp: [`control::Reference`] | m, rad |
 //! | u, B(q), eq. (7) | [`robot::InputVector`], the period times [`robot::Kinematics::jacobian`] | m/s and rad/s, s |
-//! | H, Q, R, kappa | [`control::HORIZON`], [`control::Settings`] | - |
+//! | H, Q, R, kappa | [`control::HORIZON`], [`control::ControlSettings`] | - |
 //! | G_o, eq. (7) | [`control::Plan::cost`] | - |
 //! | Q (candidates), q*, eq. (8) | [`control::Neighbourhood::candidates`], [`control::PoseOptimiser`] | - |
 //! | C (Sec. V-C) | [`episode::ControlSummary::cost`] | - |
 //! | k | [`episode::Tick::step`], one planning step, by default 0.2 s | - |
 //!
 //! ```
-//! use cocarry::episode::{Outcome, Settings, run};
+//! use cocarry::episode::{Outcome, EpisodeSettings, run};
 //! use cocarry::options::OptionSet;
 //! use cocarry::preference::Perception;
 //! use cocarry::world::World;
 //!
 //! let world = World::load("worlds/environment-4.toml".as_ref())?;
-//! let settings = Settings::default();
+//! let settings = EpisodeSettings::default();
 //! let options = OptionSet::new(&world, settings.predictor.risk_weight())?;
 //! let human = Perception { alpha: 0.747, gamma: 0.765 };
 //! let summary = run(&options, &settings, human, |tick| {

@@ -48,7 +48,7 @@ impl Cell {
     pub fn begin(
         prepared: Arc<PreparedScenario>,
         partners: Partners<'static>,
-        state: Option<episode::State>,
+        state: Option<episode::EpisodeState>,
     ) -> Result<Self, cocarry::Error> {
         Self::try_new(prepared, |prepared| {
             let mut episode = prepared.episode_of(partners)?;
@@ -109,7 +109,7 @@ pub fn cell(
     prepared: Arc<PreparedScenario>,
     own: Own,
     fault: &Fault,
-    state: Option<episode::State>,
+    state: Option<episode::EpisodeState>,
 ) -> PyResult<Cell> {
     let partners = own.partners(&prepared, fault);
     let cell = py.detach(|| guarded(|| Cell::begin(prepared, partners, state)));
@@ -119,7 +119,12 @@ pub fn cell(
 
 impl Episode {
     /// The episode of a scenario and custom partners, before its first step or in a state.
-    fn of(py: Python<'_>, scenario: Py<Scenario>, own: Own, state: Option<episode::State>) -> PyResult<Self> {
+    fn of(
+        py: Python<'_>,
+        scenario: Py<Scenario>,
+        own: Own,
+        state: Option<episode::EpisodeState>,
+    ) -> PyResult<Self> {
         let prepared = scenario.get().prepared(py)?;
         let pristine = own.copied(py)?;
         let fault = Fault::default();

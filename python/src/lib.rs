@@ -17,7 +17,7 @@ mod table;
 mod value;
 mod world;
 
-use cocarry::quantities::{EPISODE, Kind, OPTION, Quantity, TICK};
+use cocarry::quantities::{EPISODE, OPTION, Quantity, QuantityKind, TICK};
 use cocarry_output::palette;
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -48,7 +48,7 @@ fn option_colours() -> Vec<String> {
 fn vocabulary<'py, G>(py: Python<'py>, quantities: &[Quantity<G>]) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     for quantity in quantities {
-        let unit = if let Kind::Number(unit) = quantity.kind { unit } else { "" };
+        let unit = if let QuantityKind::Number(unit) = quantity.kind { unit } else { "" };
         dict.set_item(quantity.key, (unit, quantity.description))?;
     }
     Ok(dict)

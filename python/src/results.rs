@@ -2,7 +2,7 @@
 
 use crate::error::{StudyError, raise};
 use crate::table::Table;
-use cocarry::quantities::{EPISODE, Kind};
+use cocarry::quantities::{EPISODE, QuantityKind};
 use cocarry::suggestion;
 use cocarry_recording::rendering::{PictureFormat, Width};
 use cocarry_studies::study::bench::ScoreCard;
@@ -121,7 +121,9 @@ pub fn bench(
 
 /// The check of the kind of a picture, and that it has the quantity.
 fn check_drawn(kind: &str, quantity: &str) -> PyResult<()> {
-    let numbers = EPISODE.iter().filter(|quantity| matches!(quantity.kind, Kind::Number(_) | Kind::Count));
+    let numbers = EPISODE
+        .iter()
+        .filter(|quantity| matches!(quantity.kind, QuantityKind::Number(_) | QuantityKind::Count));
     let known: Vec<&str> = match kind {
         "means" | "map" => OUTCOMES.to_vec(),
         "differences" => numbers.map(|quantity| quantity.key).collect(),

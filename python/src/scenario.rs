@@ -9,8 +9,8 @@ use cocarry::episode;
 use cocarry::human::PreferenceChange;
 use cocarry::preference::{Belief, Marginal, Perception, Predictor, RISK_WEIGHT, WeightedSample};
 use cocarry::scenario::{
-    self, GivenPerception, Kind, PERCEPTION, PERIOD, Plant, PlantKind, PreferenceChanges, PreparedScenario,
-    RobotSetup, SETTINGS, Setting, Value, drawn_changes,
+    self, GivenPerception, PERCEPTION, PERIOD, Plant, PlantKind, PreferenceChanges, PreparedScenario,
+    RobotSetup, SETTINGS, Setting, SettingKind, Value, drawn_changes,
 };
 use cocarry::suggestion;
 use numpy::PyReadonlyArray2;
@@ -66,10 +66,10 @@ fn refused(key: &str, value: impl std::fmt::Display, expected: impl std::fmt::Di
 fn value_of(setting: &Setting, given: &Bound<'_, PyAny>) -> PyResult<Value> {
     let is_flag = given.is_instance_of::<PyBool>();
     let value = match setting.kind {
-        Kind::Number(..) if !is_flag => given.extract().ok().map(Value::Number),
-        Kind::Count(..) if !is_flag => given.extract().ok().map(Value::Count),
-        Kind::Flag(_) => given.extract().ok().map(Value::Flag),
-        Kind::Word(..) | Kind::Text(..) => given.extract().ok().map(Value::Text),
+        SettingKind::Number(..) if !is_flag => given.extract().ok().map(Value::Number),
+        SettingKind::Count(..) if !is_flag => given.extract().ok().map(Value::Count),
+        SettingKind::Flag(_) => given.extract().ok().map(Value::Flag),
+        SettingKind::Word(..) | SettingKind::Text(..) => given.extract().ok().map(Value::Text),
         _ => None,
     };
     value.filter(|value| setting.accepts(value)).ok_or_else(|| {
@@ -208,7 +208,7 @@ impl Scenario {
         let belief = belief_of(belief_alpha, belief_gamma, belief_samples)?;
         let predictor =
             Predictor::new(belief.clone(), RISK_WEIGHT).map_err(|e| raise::<ScenarioError>(&e))?;
-        let chosen = episode::Settings { predictor, ..episode::Settings::default() };
+        let chosen = episode::EpisodeSettings { predictor, ..episode::EpisodeSettings::default() };
         let given = GivenPerception { alpha, gamma };
         let mut made = scenario::Scenario::of_seed(seed, world.into(), plant, chosen, &belief, given);
         apply(&mut made, settings)?;
@@ -370,10 +370,10 @@ pub fn settings<'py>(py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
     for setting in SETTINGS {
         let about = PyDict::new(py);
         let kind = match setting.kind {
-            Kind::Number(..) => "float",
-            Kind::Count(..) => "int",
-            Kind::Flag(_) => "bool",
-            Kind::Word(..) | Kind::Text(..) => "str",
+            SettingKind::Number(..) => "float",
+            SettingKind::Count(..) => "int",
+            SettingKind::Flag(_) => "bool",
+            SettingKind::Word(..) | SettingKind::Text(..) => "str",
         };
         about.set_item("type", kind)?;
         about.set_item("about", setting.about)?;

@@ -9,7 +9,7 @@ use arrow_array::types::{Float64Type, Int64Type};
 use arrow_array::{Array, ArrayRef, RecordBatch, RecordBatchIterator};
 use arrow_schema::{DataType, Field, Schema};
 use arrow_select::concat::concat_batches;
-use cocarry::quantities::{Heading, Kind, Record, TICK, Value};
+use cocarry::quantities::{Heading, QuantityKind, Record, TICK, Value};
 use cocarry::suggestion;
 use cocarry_studies::columns::{Column, Columns, field};
 use numpy::PyArray1;
@@ -59,7 +59,7 @@ impl Table {
             for (key, value) in record {
                 let quantity = TICK.into_iter().flatten().find(|quantity| quantity.key == *key);
                 let Some(quantity) = quantity else { continue };
-                let cells: Vec<(String, &Value, Kind)> = match value {
+                let cells: Vec<(String, &Value, QuantityKind)> = match value {
                     Value::List(items) => items
                         .iter()
                         .flat_map(|fields| {
@@ -67,12 +67,13 @@ impl Table {
                             let rest = fields.iter().filter(|(key, _)| **key != "name");
                             rest.map(move |(key, value)| {
                                 let is_flag = matches!(value, Value::Flag(_));
-                                let kind = if is_flag { Kind::Flag } else { Kind::Number("") };
+                                let kind =
+                                    if is_flag { QuantityKind::Flag } else { QuantityKind::Number("") };
                                 (format!("{key}[{name}]"), value, kind)
                             })
                         })
                         .collect(),
-                    _ if matches!(quantity.kind, Kind::List(_)) => Vec::new(),
+                    _ if matches!(quantity.kind, QuantityKind::List(_)) => Vec::new(),
                     value => vec![((*key).to_owned(), value, quantity.kind)],
                 };
                 for (name, value, kind) in cells {
@@ -98,7 +99,7 @@ impl Table {
 
     /// A table of messages: a time in seconds, then numbers and texts as they are found.
     pub fn of_messages(names: &[String], times: Vec<f64>, rows: &[Vec<Option<Json>>]) -> Self {
-        let mut time = Column::of(Kind::Number("s"));
+        let mut time = Column::of(QuantityKind::Number("s"));
         times.into_iter().for_each(|seconds| time.add(&seconds.into()));
         let time = ("time_s".to_owned(), time, HashMap::new());
         let columns = names.iter().enumerate().map(|(i, name)| {
@@ -106,15 +107,15 @@ impl Table {
                 || rows.iter().filter_map(move |row| row.get(i)?.as_ref()).filter(|cell| !cell.is_null());
             let all = |is: fn(&Json) -> bool| cells().next().is_some() && cells().all(is);
             let kind = match () {
-                () if all(Json::is_i64) => Kind::Count,
-                () if all(Json::is_number) => Kind::Number(""),
-                () if all(Json::is_boolean) => Kind::Flag,
-                () => Kind::Text,
+                () if all(Json::is_i64) => QuantityKind::Count,
+                () if all(Json::is_number) => QuantityKind::Number(""),
+                () if all(Json::is_boolean) => QuantityKind::Flag,
+                () => QuantityKind::Text,
             };
             let mut column = Column::of(kind);
             for row in rows {
                 match row.get(i).and_then(Option::as_ref).unwrap_or(&Json::Null) {
-                    other @ (Json::Bool(_) | Json::Number(_)) if matches!(kind, Kind::Text) => {
+                    other @ (Json::Bool(_) | Json::Number(_)) if matches!(kind, QuantityKind::Text) => {
                         column.add(&other.to_string().into());
                     }
                     cell => column.add(&of_json(cell)),
@@ -133,10 +134,10 @@ impl Table {
         let columns = names.enumerate().map(|(i, name)| {
             let cells = || rows.iter().map(|row| row[i]).filter(|cell| !cell.is_null());
             let kind = match () {
-                () if cells().any(Json::is_string) => Kind::Text,
-                () if cells().next().is_some() && cells().all(Json::is_boolean) => Kind::Flag,
-                () if cells().next().is_some() && cells().all(Json::is_u64) => Kind::Count,
-                () => Kind::Number(""),
+                () if cells().any(Json::is_string) => QuantityKind::Text,
+                () if cells().next().is_some() && cells().all(Json::is_boolean) => QuantityKind::Flag,
+                () if cells().next().is_some() && cells().all(Json::is_u64) => QuantityKind::Count,
+                () => QuantityKind::Number(""),
             };
             let mut column = Column::of(kind);
             rows.iter().for_each(|row| column.add(&of_json(row[i])));
@@ -285,10 +286,10 @@ impl Table {
         }
         let columns = names.into_iter().zip(kinds).zip(cells).map(|((name, kind), cells)| {
             let mut column = Column::of(match kind.as_str() {
-                "Float64" => Kind::Number(""),
-                "Int64" => Kind::Count,
-                "Boolean" => Kind::Flag,
-                _ => Kind::Text,
+                "Float64" => QuantityKind::Number(""),
+                "Int64" => QuantityKind::Count,
+                "Boolean" => QuantityKind::Flag,
+                _ => QuantityKind::Text,
             });
             for cell in cells {
                 match (kind.as_str(), cell) {

@@ -51,7 +51,7 @@ impl HalfPlane {
 
 /// One linear constraint `a . u <= b`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Row {
+pub enum Constraint {
     /// `sign * u_input(step)` is bounded.
     Rate { input: usize, step: usize, sign: f64 },
     /// `sign * (u_input(0) + .. + u_input(step))` is bounded.
@@ -104,24 +104,24 @@ impl Limits {
     }
 
     /// The bound b of a row.
-    pub fn bound(&self, row: Row) -> f64 {
+    pub fn bound(&self, row: Constraint) -> f64 {
         match row {
-            Row::Rate { input, step, sign } => self.rate_bound(input, step, sign),
-            Row::Position { input, sign, .. } => self.position_bound(input, sign),
-            Row::Place(i) => self.half_planes[i].bound,
+            Constraint::Rate { input, step, sign } => self.rate_bound(input, step, sign),
+            Constraint::Position { input, sign, .. } => self.position_bound(input, sign),
+            Constraint::Place(i) => self.half_planes[i].bound,
         }
     }
 
     /// Calls `on_violation` for every constraint that `u` violates by more than 1e-9, with the excess
     /// `a . u - b`. The order is input by input, rates before positions, then half-planes.
-    pub fn violations(&self, u: &Inputs, mut on_violation: impl FnMut(Row, f64)) {
+    pub fn violations(&self, u: &Inputs, mut on_violation: impl FnMut(Constraint, f64)) {
         for input in 0..self.inputs {
             for step in 0..HORIZON {
                 let value = u[(input, step)];
                 let sign = value.signum();
                 let excess = sign * value - self.rate_bound(input, step, sign);
                 if excess > TOLERANCE {
-                    on_violation(Row::Rate { input, step, sign }, excess);
+                    on_violation(Constraint::Rate { input, step, sign }, excess);
                 }
             }
             let mut sum = 0.0;
@@ -130,14 +130,14 @@ impl Limits {
                 let sign = sum.signum();
                 let excess = sign * sum - self.position_bound(input, sign);
                 if excess > TOLERANCE {
-                    on_violation(Row::Position { input, step, sign }, excess);
+                    on_violation(Constraint::Position { input, step, sign }, excess);
                 }
             }
         }
         for (i, plane) in self.half_planes.iter().enumerate() {
             let excess = plane.coefficients.dot(u) - plane.bound;
             if excess > TOLERANCE {
-                on_violation(Row::Place(i), excess);
+                on_violation(Constraint::Place(i), excess);
             }
         }
     }
@@ -150,22 +150,24 @@ impl Limits {
     }
 
     /// The coefficients a of a row.
-    pub fn coefficients(&self, row: Row) -> Inputs {
+    pub fn coefficients(&self, row: Constraint) -> Inputs {
         let mut a = Inputs::zeros();
         match row {
-            Row::Rate { input, step, sign } => a[(input, step)] = sign,
-            Row::Position { input, step, sign } => a.row_mut(input).columns_mut(0, step + 1).fill(sign),
-            Row::Place(i) => return self.half_planes[i].coefficients,
+            Constraint::Rate { input, step, sign } => a[(input, step)] = sign,
+            Constraint::Position { input, step, sign } => {
+                a.row_mut(input).columns_mut(0, step + 1).fill(sign)
+            }
+            Constraint::Place(i) => return self.half_planes[i].coefficients,
         }
         a
     }
 
     /// The product `a . x` for the row's a.
-    pub fn product(&self, row: Row, x: &Inputs) -> f64 {
+    pub fn product(&self, row: Constraint, x: &Inputs) -> f64 {
         match row {
-            Row::Rate { input, step, sign } => sign * x[(input, step)],
-            Row::Position { input, step, sign } => sign * x.row(input).columns(0, step + 1).sum(),
-            Row::Place(i) => self.half_planes[i].coefficients.dot(x),
+            Constraint::Rate { input, step, sign } => sign * x[(input, step)],
+            Constraint::Position { input, step, sign } => sign * x.row(input).columns(0, step + 1).sum(),
+            Constraint::Place(i) => self.half_planes[i].coefficients.dot(x),
         }
     }
 

@@ -1,6 +1,6 @@
 //! The robot of a team with the settings of its controller.
 
-use super::{RobotObstacles, Settings};
+use super::{ControlSettings, RobotObstacles};
 use crate::robot::{JointVector, Robot};
 
 /// The robot, its starting posture and its controller's settings.
@@ -11,7 +11,7 @@ pub struct Manipulator<'a> {
     /// Its joint positions at the start.
     pub posture: JointVector,
     /// The weights and choices of eqs. (7) and (8).
-    pub control: Settings,
+    pub control: ControlSettings,
     /// The obstacles of the world.
     pub obstacles: &'a RobotObstacles,
 }

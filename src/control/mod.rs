@@ -34,7 +34,7 @@ pub use pose::{
     CandidateCost, PoseChoice, PoseOptimiser, PoseProblem, least_singular_value, manipulability, motion_cost,
 };
 pub use qp::Qp;
-pub use settings::{GUIDE_WIDTH_M, PoseCriterion, Settings};
+pub use settings::{ControlSettings, GUIDE_WIDTH_M, PoseCriterion};
 
 use crate::geometry::{PlanarPose, Pose};
 use crate::robot::{MAX_INPUTS, pose_difference};

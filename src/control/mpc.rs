@@ -6,7 +6,7 @@
 //! active-set method, or by clarabel if that does not converge.
 
 use super::active_set::{ActiveSet, slack};
-use super::limits::{Limits, Row};
+use super::limits::{Constraint, Limits};
 use super::qp::Qp;
 use super::{ClosedForm, Inputs, ModalReference, Reference};
 
@@ -55,8 +55,8 @@ pub enum Failure {
 pub struct Mpc {
     qp: Qp,
     active_set: ActiveSet,
-    rows: Vec<Row>,
-    joining: Vec<Row>,
+    rows: Vec<Constraint>,
+    joining: Vec<Constraint>,
     /// Hess^-1 a of each row.
     responses: Vec<Inputs>,
     /// a . u* - b of each row.
@@ -182,13 +182,13 @@ impl Mpc {
         joining.clear();
         let mut worst = 0.0;
         limits.violations(inputs, |row, excess| {
-            let position_of = |row: &Row| match row {
-                Row::Position { input, .. } => Some(*input),
+            let position_of = |row: &Constraint| match row {
+                Constraint::Position { input, .. } => Some(*input),
                 _ => None,
             };
             let joint = position_of(&row);
             let last = joining.last();
-            let last_is_rate = |i| matches!(last, Some(Row::Rate { input, .. }) if *input == i);
+            let last_is_rate = |i| matches!(last, Some(Constraint::Rate { input, .. }) if *input == i);
             let last_is_position = |i| last.and_then(position_of) == Some(i);
             match joint {
                 _ if rows.contains(&row) => {}
@@ -229,7 +229,7 @@ impl Mpc {
                 self.dual[i * n + j] = product;
                 self.dual[j * n + i] = product;
             }
-            if let Row::Place(place) = self.rows[i] {
+            if let Constraint::Place(place) = self.rows[i] {
                 self.dual[i * n + i] += 1.0 / limits.half_planes[place].price;
             }
         }

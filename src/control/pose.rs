@@ -8,7 +8,9 @@ use super::candidates::{Candidate, Neighbourhood};
 use super::follow::set_base;
 use super::limits::Limits;
 use super::obstacles::{Avoid, RobotObstacles};
-use super::{BaseInputs, ClosedForm, ModalReference, Mpc, PoseCriterion, Reference, Settings, SolveOutcome};
+use super::{
+    BaseInputs, ClosedForm, ControlSettings, ModalReference, Mpc, PoseCriterion, Reference, SolveOutcome,
+};
 use crate::robot::{BaseInput, Configuration, InputJacobian, Kinematics, Robot};
 
 /// The difference below which costs are equal. The earlier candidate then wins: the present configuration
@@ -84,7 +86,7 @@ pub struct PoseProblem<'a> {
 
 impl PoseProblem<'_> {
     /// Eq. (7) without limits at a candidate; of the arm alone where the base's inputs are given.
-    fn form(&self, candidate: &Candidate, settings: &Settings) -> ClosedForm {
+    fn form(&self, candidate: &Candidate, settings: &ControlSettings) -> ClosedForm {
         let mut jacobian = candidate.jacobian;
         if let Some(base) = self.base {
             let drive = &self.robot.drive;
@@ -104,7 +106,7 @@ impl PoseOptimiser {
     pub fn choose(
         &mut self,
         problem: &PoseProblem,
-        settings: &Settings,
+        settings: &ControlSettings,
         limits: &mut Limits,
         mpc: &mut Mpc,
     ) -> PoseChoice {
@@ -147,7 +149,7 @@ impl PoseOptimiser {
         first_within_tie(&self.totals)
     }
 
-    fn bound(&mut self, problem: &PoseProblem, settings: &Settings) {
+    fn bound(&mut self, problem: &PoseProblem, settings: &ControlSettings) {
         self.bounds.clear();
         self.totals.clear();
         self.modal.clear();
@@ -170,7 +172,7 @@ impl PoseOptimiser {
     fn least(
         &mut self,
         problem: &PoseProblem,
-        settings: &Settings,
+        settings: &ControlSettings,
         limits: &mut Limits,
         mpc: &mut Mpc,
         solved: &mut usize,
@@ -231,7 +233,12 @@ impl PoseOptimiser {
 
 /// kappa ||q - q_c||^2. The motion of the base is priced by its rates, like an input. Without a price, the
 /// optimiser would move the base for free.
-pub fn motion_cost(robot: &Robot, candidate: &Candidate, from: &Configuration, settings: &Settings) -> f64 {
+pub fn motion_cost(
+    robot: &Robot,
+    candidate: &Candidate,
+    from: &Configuration,
+    settings: &ControlSettings,
+) -> f64 {
     let arm = (candidate.configuration.joints - from.joints).norm_squared();
     settings.pose_weight * (arm + robot.base_input(&candidate.rates).norm_squared())
 }

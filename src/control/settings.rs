@@ -26,7 +26,7 @@ fn is_guide_width(width: &f64) -> bool {
 /// The settings of the controller.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Settings {
+pub struct ControlSettings {
     /// q of Q = q I_6.
     pub state_weight: f64,
     /// r of R = r I.
@@ -56,7 +56,7 @@ pub struct Settings {
     pub direction_concentration: f64,
 }
 
-impl Default for Settings {
+impl Default for ControlSettings {
     /// Sec. V-C: Q = 1000 I_6, R = I_9, kappa = 1; |Q| = 15 arm configurations. The concentration corresponds
     /// to directions known to about 13 degrees.
     fn default() -> Self {
@@ -75,7 +75,7 @@ impl Default for Settings {
     }
 }
 
-impl Settings {
+impl ControlSettings {
     /// Whether the guide alone decides the base's inputs, and eq. (8) takes them as given.
     pub fn is_base_given(&self) -> bool {
         self.guide_price >= GUIDE_PRICE

@@ -1,6 +1,6 @@
 //! Fast paths compared with slow references, on random states of the built-in robot.
 
-use super::limits::Row;
+use super::limits::Constraint;
 use super::*;
 use crate::geometry::{PlanarPose, Point, direction};
 use crate::robot::{BaseInput, Configuration, InputVector, JointVector, Kinematics, Robot};
@@ -102,14 +102,14 @@ fn condensed(b: &crate::robot::InputJacobian, reference: &Reference) -> (DMatrix
     (hessian, to_states.transpose() * stacked * 1000.0)
 }
 
-fn all_rows(robot: &Robot) -> Vec<Row> {
+fn all_rows(robot: &Robot) -> Vec<Constraint> {
     let mut rows = Vec::new();
     for sign in [1.0, -1.0] {
         for step in 0..HORIZON {
             for input in 0..robot.joint_count() + 2 {
-                rows.push(Row::Rate { input, step, sign });
+                rows.push(Constraint::Rate { input, step, sign });
                 if input >= 2 {
-                    rows.push(Row::Position { input, step, sign });
+                    rows.push(Constraint::Position { input, step, sign });
                 }
             }
         }
@@ -120,7 +120,8 @@ fn all_rows(robot: &Robot) -> Vec<Row> {
 /// Eq. (7) with limits as one dense program over all inputs and all constraints.
 fn dense(robot: &Robot, b: &crate::robot::InputJacobian, reference: &Reference, limits: &Limits) -> Inputs {
     let (hessian, f) = condensed(b, reference);
-    let rows: Vec<Row> = all_rows(robot).into_iter().filter(|row| limits.bound(*row).is_finite()).collect();
+    let rows: Vec<Constraint> =
+        all_rows(robot).into_iter().filter(|row| limits.bound(*row).is_finite()).collect();
     let a = DMatrix::from_rows(
         &rows
             .iter()
@@ -253,7 +254,7 @@ fn closed_form_a_joint_may_use_the_way_to_its_limit_and_no_more() {
     };
     let mut limits = Limits::new(&robot);
     let (elbow, upper) = (3, robot.joints[3].upper);
-    let row = Row::Position { input: elbow + 2, step: 5, sign: 1.0 };
+    let row = Constraint::Position { input: elbow + 2, step: 5, sign: 1.0 };
     for (position, room) in [(upper - 0.05, 0.25), (upper, 0.0), (upper + 0.1, 0.0)] {
         q.joints[elbow] = position;
         limits.set(&robot, &q, &InputVector::zeros(), PERIOD);
@@ -342,7 +343,7 @@ fn candidates_hold_the_grasp_and_keep_all_limits() {
 }
 
 /// Eq. (8) by 15 times options solutions of eq. (7) with all limits.
-fn brute_force(problem: &PoseProblem, settings: &Settings, found: &[Candidate]) -> Vec<f64> {
+fn brute_force(problem: &PoseProblem, settings: &ControlSettings, found: &[Candidate]) -> Vec<f64> {
     let (mut mpc, mut limits) = (Mpc::default(), Limits::new(problem.robot));
     let total = |candidate: &Candidate| {
         let b = problem.robot.kinematics(&candidate.configuration).jacobian * PERIOD;
@@ -365,7 +366,7 @@ fn the_pose_chosen_is_the_exact_minimum_over_candidates() {
     let (mut moved, mut solved, mut problems) = (0, 0, 0);
     for case in 0..90 {
         let set = if case % 2 == 0 { CandidateSet::Arm } else { CandidateSet::WholeBody };
-        let settings = Settings { candidates: set, ..Settings::default() };
+        let settings = ControlSettings { candidates: set, ..ControlSettings::default() };
         let (q, at, references) = random_state(&robot, &mut rng, [1.0, 2.0, 4.0][case % 3]);
         let weights: [f64; 4] = std::array::from_fn(|_| rng.random_range(0.0..1.0));
         let problem = PoseProblem {
@@ -413,7 +414,7 @@ fn in_the_planar_posture_both_ways_out_are_equal_and_the_first_is_taken() {
         share: 1.0,
     };
     let (mut poses, mut mpc, mut limits) = (PoseOptimiser::default(), Mpc::default(), Limits::new(&robot));
-    let choice = poses.choose(&problem, &Settings::default(), &mut limits, &mut mpc);
+    let choice = poses.choose(&problem, &ControlSettings::default(), &mut limits, &mut mpc);
     assert_eq!(choice.candidates, 15);
     assert!(choice.index <= 7, "{}", choice.index);
 }

@@ -31,14 +31,14 @@ impl Mode {
 /// Parameters of the stubbornness measure, eq. (5).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Settings {
+pub struct StubbornnessSettings {
     /// phi(0), in (0, 1].
     pub initial_stubbornness: f64,
     /// eta > 0: the larger, the more tolerant the human.
     pub eta: f64,
 }
 
-impl Default for Settings {
+impl Default for StubbornnessSettings {
     /// phi(0) = 0.1 (open in the paper), eta = 10.5 (the paper's medium participant).
     fn default() -> Self {
         Self { initial_stubbornness: 0.1, eta: 10.5 }
@@ -49,13 +49,13 @@ impl Default for Settings {
 /// human would.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stubbornness {
-    settings: Settings,
+    settings: StubbornnessSettings,
     discomfort: f64,
 }
 
 impl Stubbornness {
     /// The measure at the start: g(0) = 0.
-    pub fn new(settings: Settings) -> Self {
+    pub fn new(settings: StubbornnessSettings) -> Self {
         Self { settings, discomfort: 0.0 }
     }
 
@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn closed_form_stubbornness_passes_one_at_eta_ln_ten() {
-        let mut s = Stubbornness::new(Settings { initial_stubbornness: 0.1, eta: 5.0 });
+        let mut s = Stubbornness::new(StubbornnessSettings { initial_stubbornness: 0.1, eta: 5.0 });
         s.accumulate(5.0 * math::ln(10.0) - 1e-9);
         assert!(!s.is_exhausted());
         s.accumulate(2e-9);

@@ -1,7 +1,7 @@
 //! The parts of an episode, put together in any order.
 
 use super::view::view;
-use super::{Episode, Manipulator, Settings, Summary, Tick, prospects};
+use super::{Episode, EpisodeSettings, Manipulator, Summary, Tick, prospects};
 use crate::controller::{Controller, Guide, NoRobot, Predictive};
 use crate::error::Error;
 use crate::geometry::{Path, PlanarPose, direction};
@@ -19,7 +19,7 @@ use crate::world::World;
 #[must_use]
 pub struct EpisodeBuilder<'a> {
     options: &'a OptionSet,
-    settings: &'a Settings,
+    settings: &'a EpisodeSettings,
     human: Box<dyn Human + 'a>,
     policy: Box<dyn RobotPolicy + 'a>,
     team: Team<'a>,
@@ -60,7 +60,7 @@ struct LinedUp<'a> {
 }
 
 impl<'a> EpisodeBuilder<'a> {
-    pub(super) fn new(options: &'a OptionSet, settings: &'a Settings, human: Perception) -> Self {
+    pub(super) fn new(options: &'a OptionSet, settings: &'a EpisodeSettings, human: Perception) -> Self {
         Self {
             options,
             settings,
@@ -165,7 +165,7 @@ impl<'a> Team<'a> {
     fn line_up(
         self,
         options: &'a OptionSet,
-        settings: &Settings,
+        settings: &EpisodeSettings,
         first: &Path,
         plant: Option<MakePlant<'a>>,
         observer: Option<StepObserver<'a>>,
@@ -219,7 +219,7 @@ impl<'a> Team<'a> {
 /// The episode of a team that is a point.
 pub(super) fn point_episode<'a>(
     options: &'a OptionSet,
-    settings: &'a Settings,
+    settings: &'a EpisodeSettings,
     human: Box<dyn Human + 'a>,
     policy: Box<dyn RobotPolicy + 'a>,
 ) -> Episode<'a> {

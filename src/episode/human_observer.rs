@@ -5,7 +5,7 @@ use super::evaluated::prospect;
 use super::learn::is_consistent;
 use crate::coordination::{Mode, misalignment};
 use crate::human::Stance;
-use crate::learning::{Learner, LearningError, Settings};
+use crate::learning::{Learner, LearningError, LearningSettings};
 use crate::preference::{Belief, Prospect, Ways};
 
 /// Where a human who leads is seen to go.
@@ -34,7 +34,7 @@ impl HumanObserver {
     ///
     /// # Errors
     /// [`LearningError`]: the settings are out of range.
-    pub fn new(settings: Settings, initial_stubbornness: f64) -> Result<Self, LearningError> {
+    pub fn new(settings: LearningSettings, initial_stubbornness: f64) -> Result<Self, LearningError> {
         let learner = Learner::new(settings, Belief::default(), 0.0, initial_stubbornness)?;
         Ok(Self { sightings: Vec::new(), learner, mode: None })
     }

@@ -35,8 +35,8 @@ pub use outcome::{
     Summary, Transition,
 };
 pub use robot_tick::{PhysicsTick, RobotTick};
-pub use settings::Settings;
-pub use state::State;
+pub use settings::EpisodeSettings;
+pub use state::EpisodeState;
 pub use tick::Tick;
 
 use crate::controller::Controller;
@@ -58,7 +58,7 @@ use step::Begun;
 #[derive(Clone, Debug)]
 pub struct Episode<'a> {
     options: &'a OptionSet,
-    settings: &'a Settings,
+    settings: &'a EpisodeSettings,
     human: Box<dyn Human + 'a>,
     policy: Box<dyn RobotPolicy + 'a>,
     controller: Box<dyn Controller + 'a>,
@@ -98,7 +98,7 @@ pub struct Episode<'a> {
 /// Runs an episode to its end and calls `on_tick` after every step.
 pub fn run(
     options: &OptionSet,
-    settings: &Settings,
+    settings: &EpisodeSettings,
     human: Perception,
     mut on_tick: impl FnMut(&Tick),
 ) -> Summary {
@@ -114,13 +114,17 @@ impl<'a> Episode<'a> {
     ///
     /// # Panics
     /// Settings of learning are out of their ranges, which [`EpisodeBuilder::begin`] refuses.
-    pub fn new(options: &'a OptionSet, settings: &'a Settings, human: Perception) -> Self {
+    pub fn new(options: &'a OptionSet, settings: &'a EpisodeSettings, human: Perception) -> Self {
         let human = Box::new(PreferenceHuman::new(human, settings.coordination));
         builder::point_episode(options, settings, human, settings.method.policy())
     }
 
     /// The same with a choice of partners, controller and plant.
-    pub fn builder(options: &'a OptionSet, settings: &'a Settings, human: Perception) -> EpisodeBuilder<'a> {
+    pub fn builder(
+        options: &'a OptionSet,
+        settings: &'a EpisodeSettings,
+        human: Perception,
+    ) -> EpisodeBuilder<'a> {
         EpisodeBuilder::new(options, settings, human)
     }
 

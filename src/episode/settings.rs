@@ -10,11 +10,11 @@ use serde::{Deserialize, Serialize};
 /// The settings of an episode, apart from the world and the human.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Settings {
+pub struct EpisodeSettings {
     /// The robot's belief about the human's (alpha, gamma), and c_r.
     pub predictor: Predictor,
     /// phi(0) and eta.
-    pub coordination: coordination::Settings,
+    pub coordination: coordination::StubbornnessSettings,
     /// The method of deciding who leads.
     pub method: Method,
     /// Number of the option on which the robot leads, from 1, whatever the human does: that of a stimulus. By
@@ -43,14 +43,14 @@ pub struct Settings {
     /// How the robot learns alpha, gamma and eta of the human; without it, it keeps its prior and knows eta,
     /// as in the paper.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub learning: Option<learning::Settings>,
+    pub learning: Option<learning::LearningSettings>,
 }
 
-impl Default for Settings {
+impl Default for EpisodeSettings {
     fn default() -> Self {
         Self {
             predictor: Predictor::default(),
-            coordination: coordination::Settings::default(),
+            coordination: coordination::StubbornnessSettings::default(),
             method: Method::MUTUAL,
             lead_option: None,
             planning_step: 0.2,
@@ -64,7 +64,7 @@ impl Default for Settings {
     }
 }
 
-impl Settings {
+impl EpisodeSettings {
     /// Control period, s.
     pub fn control_period(&self) -> f64 {
         self.control_period.unwrap_or(self.planning_step)

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 /// The state of an episode after a number of steps, without borrowed data.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct State {
+pub struct EpisodeState {
     human: Saved,
     policy: Saved,
     controller: Saved,
@@ -45,14 +45,14 @@ struct BegunState {
 /// The part of the state that only a robot that learns has.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Learned {
-    learner: learning::State,
+    learner: learning::LearnerState,
     /// The options of the last step, from which the next one learns.
     prospects: Vec<Prospect>,
     ways: Ways,
     decided: Option<(HumanDecision, Decision)>,
 }
 
-impl State {
+impl EpisodeState {
     /// Number of steps taken.
     pub fn steps(&self) -> u64 {
         self.summary.steps
@@ -78,7 +78,7 @@ fn fnv_1a(bytes: &[u8]) -> u64 {
 
 impl Episode<'_> {
     /// The present state, between steps or once a step has [begun](Episode::begin_step).
-    pub fn state(&self) -> State {
+    pub fn state(&self) -> EpisodeState {
         #[rustfmt::skip]
         let Self {
             human, policy, controller, walk, plant, progress, route, tick, summary, steps_without_progress,
@@ -98,7 +98,7 @@ impl Episode<'_> {
             ways: ways.clone(),
             decided: *decided,
         });
-        State {
+        EpisodeState {
             human: human.save(),
             policy: policy.save(),
             controller: controller.save(),
@@ -123,7 +123,7 @@ impl Episode<'_> {
     ///
     /// # Errors
     /// [`RestoreError`] if the state does not fit.
-    pub fn resume(mut self, state: State) -> Result<Self, RestoreError> {
+    pub fn resume(mut self, state: EpisodeState) -> Result<Self, RestoreError> {
         let n = self.options.options().len();
         let Summary { first_option, last_option, ref human, .. } = state.summary;
         let Tick { executed, preferred, reverses_for, .. } = state.tick;
@@ -156,7 +156,7 @@ impl Episode<'_> {
         self.plant.restore(&state.plant)?;
         self.walk.restore(&state.walk)?;
         self.controller.restore(&state.controller)?;
-        let State { progress, route, tick, summary, steps_without_progress, begun, .. } = state;
+        let EpisodeState { progress, route, tick, summary, steps_without_progress, begun, .. } = state;
         let resumed = Self { progress, route, tick, summary, steps_without_progress, ..self };
         match begun {
             None => Ok(resumed),

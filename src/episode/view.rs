@@ -3,7 +3,7 @@
 use super::evaluated::{Evaluated, Prediction};
 use super::now::Now;
 use super::step::Begun;
-use super::{Episode, Settings};
+use super::{Episode, EpisodeSettings};
 use crate::human::{HumanDecision, HumanView};
 use crate::options::{OptionSet, Progress};
 use crate::plant::Seen;
@@ -61,7 +61,7 @@ impl Episode<'_> {
 /// The robot's view in a step.
 pub(super) fn view<'v>(
     now: Now,
-    settings: &Settings,
+    settings: &EpisodeSettings,
     begun: &'v Begun,
     options: &'v OptionSet,
     progress: &'v Progress,

@@ -31,7 +31,7 @@ pub struct Participant<'a> {
     /// Preference changes.
     pub changes: &'a [PreferenceChange],
     /// phi(0) and eta.
-    pub stubbornness: coordination::Settings,
+    pub stubbornness: coordination::StubbornnessSettings,
     /// The episode's seed.
     pub seed: u64,
     /// The options of the world.
@@ -46,7 +46,7 @@ pub(super) fn bad_arguments(expected: &str) -> Error {
 /// A preference change: from a step on, the human perceives risk and distance differently. The robot is not
 /// told.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(from = "Row", into = "Row")]
+#[serde(from = "ChangeFields", into = "ChangeFields")]
 pub struct PreferenceChange {
     /// k of the step at whose beginning the change happens, from 0.
     pub step: u64,
@@ -57,19 +57,19 @@ pub struct PreferenceChange {
 /// A change as it is serialised.
 #[derive(Serialize, Deserialize)]
 #[serde(rename = "change", deny_unknown_fields)]
-struct Row {
+struct ChangeFields {
     step: u64,
     alpha: f64,
     gamma: f64,
 }
 
-impl From<Row> for PreferenceChange {
-    fn from(Row { step, alpha, gamma }: Row) -> Self {
+impl From<ChangeFields> for PreferenceChange {
+    fn from(ChangeFields { step, alpha, gamma }: ChangeFields) -> Self {
         Self { step, perception: Perception { alpha, gamma } }
     }
 }
 
-impl From<PreferenceChange> for Row {
+impl From<PreferenceChange> for ChangeFields {
     fn from(PreferenceChange { step, perception: Perception { alpha, gamma } }: PreferenceChange) -> Self {
         Self { step, alpha, gamma }
     }

@@ -2,7 +2,7 @@
 
 use super::model::{HumanModel, Participant, bad_arguments};
 use super::{Human, HumanDecision, HumanView};
-use crate::coordination::{Settings, Stubbornness};
+use crate::coordination::{Stubbornness, StubbornnessSettings};
 use crate::error::Error;
 use crate::preference::{self, RiskPerception};
 use crate::saved::{RestoreError, Saved};
@@ -43,7 +43,7 @@ impl Perceiving {
     pub fn new(
         perception: &'static dyn RiskPerception,
         parameters: Vec<f64>,
-        stubbornness: Settings,
+        stubbornness: StubbornnessSettings,
     ) -> Self {
         Self { perception, parameters, stubbornness: Stubbornness::new(stubbornness) }
     }

@@ -2,7 +2,7 @@
 
 use super::model::{HumanModel, Participant, PreferenceChange, bad_arguments};
 use super::{Human, HumanDecision, HumanView};
-use crate::coordination::{Settings, Stubbornness};
+use crate::coordination::{Stubbornness, StubbornnessSettings};
 use crate::preference::{Perception, human_choice};
 use crate::saved::{RestoreError, Saved};
 use serde::{Deserialize, Serialize};
@@ -31,7 +31,7 @@ pub struct PreferenceHuman {
 
 impl PreferenceHuman {
     /// A human without preference changes.
-    pub fn new(perception: Perception, stubbornness: Settings) -> Self {
+    pub fn new(perception: Perception, stubbornness: StubbornnessSettings) -> Self {
         Self { perception, changes: Vec::new(), stubbornness: Stubbornness::new(stubbornness) }
     }
 

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 /// How the robot learns.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct Settings {
+pub struct LearningSettings {
     /// The probability that a sighting of the human, or a time of taking over, says nothing about this human.
     pub lapse_rate: f64,
     /// The probability, before every sighting, that alpha and gamma have changed.
@@ -26,7 +26,7 @@ pub struct Settings {
     pub tolerance: TolerancePrior,
 }
 
-impl Default for Settings {
+impl Default for LearningSettings {
     fn default() -> Self {
         Self { lapse_rate: 0.02, change_rate: 0.001, look_steps: 10, tolerance: TolerancePrior::default() }
     }
@@ -72,7 +72,7 @@ pub fn likelihoods_of_sighting(
     }
 }
 
-impl Settings {
+impl LearningSettings {
     /// The least change rate: with it, the belief stays exact however often the human contradicts it.
     pub const MIN_CHANGE_RATE: f64 = 1e-4;
 
@@ -103,7 +103,7 @@ impl Settings {
 /// The robot's belief about the human that it carries with, over one task or several.
 #[derive(Clone, Debug)]
 pub struct Learner {
-    settings: Settings,
+    settings: LearningSettings,
     perception: Posterior,
     tolerance: Tolerance,
     /// ln(1 / phi(0)), and phi(0).
@@ -119,7 +119,7 @@ pub struct Learner {
 
 /// The state of a [`Learner`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct State {
+pub struct LearnerState {
     perception: Learned,
     tasks: Vec<[f64; 2]>,
     discomfort: f64,
@@ -134,7 +134,7 @@ impl Learner {
     /// # Errors
     /// [`LearningError`]: a number of `settings`, or `risk_weight`, is out of its range.
     pub fn new(
-        settings: Settings,
+        settings: LearningSettings,
         belief: Belief,
         risk_weight: f64,
         initial_stubbornness: f64,
@@ -275,8 +275,8 @@ impl Learner {
     }
 
     /// The belief about alpha, gamma and eta, for [`Learner::restore`].
-    pub fn state(&self) -> State {
-        State {
+    pub fn state(&self) -> LearnerState {
+        LearnerState {
             perception: self.perception.learned(),
             tasks: self.tolerance.tasks().to_vec(),
             discomfort: self.discomfort,
@@ -286,7 +286,7 @@ impl Learner {
     }
 
     /// Takes over what a learner with the same settings has learned. False if it does not fit.
-    pub fn restore(&mut self, state: &State) -> bool {
+    pub fn restore(&mut self, state: &LearnerState) -> bool {
         let fits = state.discomfort.is_finite()
             && !state.tasks.is_empty()
             && self.tolerance.restore(&state.tasks)
@@ -313,7 +313,7 @@ mod tests {
     ];
 
     fn learner() -> Learner {
-        Learner::new(Settings::default(), Belief::default(), 10.0, 0.1).unwrap()
+        Learner::new(LearningSettings::default(), Belief::default(), 10.0, 0.1).unwrap()
     }
 
     #[test]
@@ -407,11 +407,11 @@ mod tests {
 
     #[test]
     fn closed_form_bad_settings_are_refused_by_their_name() {
-        let refused = |settings: Settings| settings.check().unwrap_err().to_string();
-        let fine = Settings::default();
-        assert!(refused(Settings { lapse_rate: 0.6, ..fine }).starts_with("lapse_rate = 0.6"));
-        assert!(refused(Settings { change_rate: 0.0, ..fine }).contains("at least 0.0001"));
-        assert!(refused(Settings { look_steps: 0, ..fine }).starts_with("look_steps"));
+        let refused = |settings: LearningSettings| settings.check().unwrap_err().to_string();
+        let fine = LearningSettings::default();
+        assert!(refused(LearningSettings { lapse_rate: 0.6, ..fine }).starts_with("lapse_rate = 0.6"));
+        assert!(refused(LearningSettings { change_rate: 0.0, ..fine }).contains("at least 0.0001"));
+        assert!(refused(LearningSettings { look_steps: 0, ..fine }).starts_with("look_steps"));
         assert!(
             Learner::new(fine, Belief::default(), -1.0, 0.1)
                 .unwrap_err()

@@ -18,7 +18,7 @@ const MAX_SEARCHED: u64 = 400_000_000;
 
 /// The result of the search.
 #[derive(Default)]
-pub(super) struct Found {
+pub(super) struct FoundOptions {
     pub options: Vec<Vec<Crossing>>,
     /// Whether more options exist, or may exist.
     pub is_cut: bool,
@@ -64,16 +64,16 @@ pub(super) fn cheapest(
     stages: &mut Stages,
     limit: usize,
     risk_weight: f64,
-) -> Result<Found, String> {
+) -> Result<FoundOptions, String> {
     if stages.between(roadmap, START, TARGET).length().is_finite() {
-        return Ok(Found { options: vec![Vec::new()], ..Found::default() });
+        return Ok(FoundOptions { options: vec![Vec::new()], ..FoundOptions::default() });
     }
-    let layout = Layout::new(roadmap, sites, passages.len());
+    let layout = RoadmapLayout::new(roadmap, sites, passages.len());
     layout.tabulate(roadmap, stages)?;
     let search = Search::new(&layout, roadmap, passages, stages, risk_weight);
     let mut queue = BinaryHeap::new();
     queue.push(Partial { bound: 0.0, lengths: [0.0; MAX_LANES], safe: 1.0, last: None, arrived: false });
-    let mut found = Found::default();
+    let mut found = FoundOptions::default();
     let mut looked_at = 0;
     while let Some(partial) = queue.pop() {
         looked_at += 1;
@@ -98,7 +98,7 @@ pub(super) fn cheapest(
 }
 
 /// The regions that an option may enter, and the crossings between them.
-struct Layout<'a> {
+struct RoadmapLayout<'a> {
     sites: &'a Sites,
     /// The region of every site, numbered from 0.
     regions: Vec<usize>,
@@ -108,7 +108,7 @@ struct Layout<'a> {
     entries: Vec<Vec<usize>>,
 }
 
-impl<'a> Layout<'a> {
+impl<'a> RoadmapLayout<'a> {
     fn new(roadmap: &Roadmap, sites: &'a Sites, openings: usize) -> Self {
         let components: Vec<usize> = (0..sites.count()).map(|s| roadmap.component(s)).collect();
         let mut known = components.clone();
@@ -165,7 +165,7 @@ impl<'a> Layout<'a> {
 
 /// The search's view of regions and passages.
 struct Search<'a> {
-    layout: &'a Layout<'a>,
+    layout: &'a RoadmapLayout<'a>,
     roadmap: &'a Roadmap,
     passages: &'a [Passage],
     stages: &'a Stages,
@@ -178,7 +178,7 @@ struct Search<'a> {
 
 impl<'a> Search<'a> {
     fn new(
-        layout: &'a Layout<'a>,
+        layout: &'a RoadmapLayout<'a>,
         roadmap: &'a Roadmap,
         passages: &'a [Passage],
         stages: &'a Stages,
@@ -279,7 +279,7 @@ impl<'a> Search<'a> {
 /// site beyond it. Regions may be entered twice. Dijkstra's algorithm: `cost` is the cost from such a place to
 /// another site, `join` combines the costs of consecutive paths, and `none` is the cost of an empty path.
 fn least_onward(
-    layout: &Layout,
+    layout: &RoadmapLayout,
     none: f64,
     cost: impl Fn(usize, usize) -> f64,
     join: impl Fn(f64, f64) -> f64,

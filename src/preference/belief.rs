@@ -34,7 +34,7 @@ pub struct WeightedSample {
 /// Weighted samples. Invariant: at least one, all parameters and weights positive and finite, weights summing
 /// to 1.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Vec<Row>", into = "Vec<Row>")]
+#[serde(try_from = "Vec<SampleFields>", into = "Vec<SampleFields>")]
 pub struct SampleSet {
     samples: Vec<WeightedSample>,
 }
@@ -42,27 +42,32 @@ pub struct SampleSet {
 /// A sample as it is serialised.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Row {
+struct SampleFields {
     alpha: f64,
     gamma: f64,
     weight: f64,
 }
 
-impl From<SampleSet> for Vec<Row> {
+impl From<SampleSet> for Vec<SampleFields> {
     fn from(set: SampleSet) -> Self {
-        let row =
-            |WeightedSample { perception: Perception { alpha, gamma }, weight }| Row { alpha, gamma, weight };
+        let row = |WeightedSample { perception: Perception { alpha, gamma }, weight }| SampleFields {
+            alpha,
+            gamma,
+            weight,
+        };
         set.samples.into_iter().map(row).collect()
     }
 }
 
-impl TryFrom<Vec<Row>> for SampleSet {
+impl TryFrom<Vec<SampleFields>> for SampleSet {
     type Error = Error;
 
     /// Weights that already sum to 1 are kept to the last bit.
-    fn try_from(rows: Vec<Row>) -> Result<Self, Error> {
-        let sample =
-            |Row { alpha, gamma, weight }| WeightedSample { perception: Perception { alpha, gamma }, weight };
+    fn try_from(rows: Vec<SampleFields>) -> Result<Self, Error> {
+        let sample = |SampleFields { alpha, gamma, weight }| WeightedSample {
+            perception: Perception { alpha, gamma },
+            weight,
+        };
         let samples: Vec<WeightedSample> = rows.into_iter().map(sample).collect();
         let scaled = Self::new(samples.clone())?;
         let sum: f64 = samples.iter().map(|sample| sample.weight).sum();

@@ -39,7 +39,7 @@ mod strips;
 mod ties;
 
 pub use alternatives::{
-    ALTERNATIVES, CONDITIONAL_VALUE_AT_RISK, CUMULATIVE_PROSPECT, EXPECTED_RISK, Group, RiskParameter,
+    ALTERNATIVES, CONDITIONAL_VALUE_AT_RISK, CUMULATIVE_PROSPECT, ChoiceGroup, EXPECTED_RISK, RiskParameter,
     RiskPerception, StevensPrelec,
 };
 pub use belief::{Belief, SampleSet, WeightedSample};

@@ -32,7 +32,7 @@ pub struct Predictor {
     risk_weight: f64,
     lapse_rate: f64,
     rationality: Option<f64>,
-    model: Model,
+    model: PredictorModel,
     ties: Ties,
     masses: Vec<f64>,
 }
@@ -81,7 +81,7 @@ impl PartialEq for Predictor {
 }
 
 #[derive(Debug, Clone)]
-enum Model {
+enum PredictorModel {
     Independent(Box<Independent>),
     Samples(SampleSet),
 }
@@ -118,7 +118,7 @@ impl Predictor {
     pub fn new(belief: Belief, risk_weight: f64) -> Result<Self, Error> {
         check(risk_weight)?;
         let model = match &belief {
-            Belief::Independent { alpha, gamma } => Model::Independent(Box::new(Independent {
+            Belief::Independent { alpha, gamma } => PredictorModel::Independent(Box::new(Independent {
                 domain: Domain {
                     alpha: *alpha,
                     alpha_panels: alpha.panels(),
@@ -133,7 +133,7 @@ impl Predictor {
                 choices: Vec::new(),
                 softmax: Softmax::new(),
             })),
-            Belief::Samples(set) => Model::Samples(set.clone()),
+            Belief::Samples(set) => PredictorModel::Samples(set.clone()),
         };
         let (ties, masses) = (Ties::default(), Vec::new());
         Ok(Self { belief, risk_weight, lapse_rate: 0.0, rationality: None, model, ties, masses })
@@ -213,12 +213,12 @@ impl Predictor {
         let risk_matters = self.risk_weight > 0.0;
         self.ties.find(prospects, ways, risk_matters);
         match (&mut self.model, self.rationality) {
-            (Model::Samples(set), Some(beta)) => {
+            (PredictorModel::Samples(set), Some(beta)) => {
                 for sample in set.samples() {
                     softmax::add_sample(sample, &self.ties, self.risk_weight, beta, &mut self.masses);
                 }
             }
-            (Model::Independent(model), Some(beta)) => {
+            (PredictorModel::Independent(model), Some(beta)) => {
                 model.choices.clear();
                 let ways = |leader| self.ties.ways(leader);
                 let reachable = self.ties.leaders().filter(|(_, prospect)| prospect.length.is_finite());
@@ -226,13 +226,13 @@ impl Predictor {
                 let scales = [beta, beta * self.risk_weight];
                 model.softmax.integrate(&model.choices, scales, &model.domain, &mut self.masses);
             }
-            (Model::Samples(set), None) => {
+            (PredictorModel::Samples(set), None) => {
                 for sample in set.samples().iter().filter(|_| !prospects.is_empty()) {
                     let chosen = human_choice(prospects, self.risk_weight, sample.perception, None);
                     self.masses[self.ties.leader(chosen)] += sample.weight;
                 }
             }
-            (Model::Independent(model), None) => {
+            (PredictorModel::Independent(model), None) => {
                 pareto_front(&self.ties, risk_matters, &mut model.front);
                 model.strips.nodes = 0;
                 if let [only] = model.front.as_slice() {
@@ -258,11 +258,11 @@ impl Predictor {
         costs.clear();
         let risk_weight = self.risk_weight;
         match &mut self.model {
-            Model::Samples(set) => costs.extend(prospects.iter().map(|prospect| -> f64 {
+            PredictorModel::Samples(set) => costs.extend(prospects.iter().map(|prospect| -> f64 {
                 let cost = |perception| subjective_cost(*prospect, risk_weight, perception);
                 set.samples().iter().map(|sample| sample.weight * cost(sample.perception)).sum()
             })),
-            Model::Independent(model) => {
+            PredictorModel::Independent(model) => {
                 // NaN differs from every risk
                 model.perceived_risks.resize(prospects.len(), (f64::NAN, f64::NAN));
                 costs.extend(prospects.iter().zip(&mut model.perceived_risks).map(|(prospect, known)| {
@@ -285,8 +285,8 @@ impl Predictor {
     /// samples.
     pub fn nodes_evaluated(&self) -> u64 {
         match &self.model {
-            Model::Independent(model) => model.strips.nodes,
-            Model::Samples(_) => 0,
+            PredictorModel::Independent(model) => model.strips.nodes,
+            PredictorModel::Samples(_) => 0,
         }
     }
 

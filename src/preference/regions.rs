@@ -33,7 +33,7 @@ pub struct Region {
 
 /// Options from low to high alpha at one gamma, each with the alpha at which its part begins.
 #[derive(Clone)]
-struct Row {
+struct GammaRow {
     gamma: f64,
     parts: Vec<(usize, f64)>,
 }
@@ -57,7 +57,7 @@ impl Regions {
         let row = |gamma: f64| {
             let choice = |alpha: f64| human_choice(prospects, risk_weight, Perception { alpha, gamma }, None);
             let preferred = |alpha: f64| ways.representative(choice(alpha));
-            Row { gamma, parts: along(alpha, &preferred) }
+            GammaRow { gamma, parts: along(alpha, &preferred) }
         };
         let mut regions = Self { alpha, gamma, parts: Vec::new(), borders: Vec::new() };
         let mut band = vec![row(gamma[0])];
@@ -81,10 +81,10 @@ impl Regions {
     }
 
     /// Adds the rows of one band, which have the same options in the same order.
-    fn add(&mut self, rows: &[Row]) {
+    fn add(&mut self, rows: &[GammaRow]) {
         let Some(first) = rows.first() else { return };
         let border = |part: usize| {
-            let start = |row: &Row| row.parts.get(part).map_or(self.alpha[1], |p| p.1);
+            let start = |row: &GammaRow| row.parts.get(part).map_or(self.alpha[1], |p| p.1);
             rows.iter().map(|row| Perception { alpha: start(row), gamma: row.gamma }).collect::<Vec<_>>()
         };
         let borders: Vec<_> = (0..=first.parts.len()).map(border).collect();
@@ -96,7 +96,7 @@ impl Regions {
     }
 }
 
-impl Row {
+impl GammaRow {
     fn is_like(&self, other: &Self) -> bool {
         self.parts.iter().map(|p| p.0).eq(other.parts.iter().map(|p| p.0))
     }

@@ -1,12 +1,12 @@
 //! The quantities of an episode as a whole.
 
 use super::{
-    ACCELERATION, JERK, JOULES, Kind, METRES, NEWTONS, PLAIN, Quantity, SECONDS, SQUARED_JERK, View,
+    ACCELERATION, JERK, JOULES, METRES, NEWTONS, PLAIN, Quantity, QuantityKind, SECONDS, SQUARED_JERK, View,
     quantities,
 };
 use crate::episode::{ControlSummary, InteractionSummary, Loss, MotionSummary, Outcome, Summary, Transition};
 use crate::simulation::{Contact, Failure, Part};
-use Kind::{Count, Text};
+use QuantityKind::{Count, Text};
 
 impl View<'_> {
     fn summary(&self) -> &Summary {

@@ -1,16 +1,16 @@
 //! The quantities of the robot's belief about the human.
 
-use super::{Fields, Kind, PLAIN, Quantity, Value, fields, headings, quantities};
+use super::{Fields, PLAIN, Quantity, QuantityKind, Value, fields, headings, quantities};
 use crate::learning::Learner;
 use crate::preference::{Estimate, Perception};
-use Kind::Numbers;
+use QuantityKind::Numbers;
 
 /// The number of values of alpha, and of gamma, in the grid of densities.
 const GRID: u32 = 32;
 
 /// The robot's belief about the human. Missing without `--belief learn`.
 pub const LEARNED: &[Quantity] = quantities! {
-    "human", Kind::Record(|| headings(HUMAN)), "the belief over this human's alpha, gamma and eta", |v| v.episode.learner().map(human);
+    "human", QuantityKind::Record(|| headings(HUMAN)), "the belief over this human's alpha, gamma and eta", |v| v.episode.learner().map(human);
 };
 
 pub(super) struct Human<'a> {
@@ -29,7 +29,7 @@ pub(super) const HUMAN: &[OfHuman] = quantities! {
     "gamma_variance", PLAIN, "variance of gamma", |h| h.estimate.covariance[2];
     "alpha_interval", Numbers, "central 95 % interval of alpha", |h| h.estimate.alpha.to_vec();
     "gamma_interval", Numbers, "central 95 % interval of gamma", |h| h.estimate.gamma.to_vec();
-    "information_nats", Kind::Number("nats"), "relative entropy to the prior: 0 where nothing was learned", |h| h.estimate.information;
+    "information_nats", QuantityKind::Number("nats"), "relative entropy to the prior: 0 where nothing was learned", |h| h.estimate.information;
     "region_share", PLAIN, "share of the prior in the region of highest density with 95 % of the belief, 0 to 1", |h| h.estimate.region_share;
     "region_density", PLAIN, "the least density of that region, relative to the prior's", |h| h.estimate.region_density;
     "alpha_range", Numbers, "the prior's least and largest alpha", |h| h.learner.perception().prior().ranges()[0].to_vec();

@@ -97,7 +97,7 @@ pub struct Quantity<Getter = fn(&View) -> Value> {
     /// Public name, which ends in the unit: `length_m`.
     pub key: &'static str,
     /// The kind of its value.
-    pub kind: Kind,
+    pub kind: QuantityKind,
     /// Its symbol, its meaning, and when it is missing.
     pub description: &'static str,
     /// Its getter.
@@ -106,7 +106,7 @@ pub struct Quantity<Getter = fn(&View) -> Value> {
 
 /// The kind of a quantity's value.
 #[derive(Clone, Copy, Debug)]
-pub enum Kind {
+pub enum QuantityKind {
     /// A real number, with its unit; "" if it has none.
     Number(&'static str),
     /// A whole number.
@@ -129,7 +129,7 @@ pub struct Heading {
     /// Its name, which ends in its unit.
     pub name: &'static str,
     /// The kind of its values, with the unit.
-    pub kind: Kind,
+    pub kind: QuantityKind,
     /// Its meaning.
     pub description: &'static str,
 }
@@ -140,19 +140,19 @@ impl<Getter> From<&Quantity<Getter>> for Heading {
     }
 }
 
-const PLAIN: Kind = Kind::Number("");
-const METRES: Kind = Kind::Number("m");
-const DEGREES: Kind = Kind::Number("deg");
-const RADIANS: Kind = Kind::Number("rad");
-const SECONDS: Kind = Kind::Number("s");
-const METRES_PER_SECOND: Kind = Kind::Number("m/s");
-const ACCELERATION: Kind = Kind::Number("m/s^2");
-const JERK: Kind = Kind::Number("m/s^3");
-const RADIANS_PER_SECOND: Kind = Kind::Number("rad/s");
-const NEWTONS: Kind = Kind::Number("N");
-const NEWTON_METRES: Kind = Kind::Number("Nm");
-const JOULES: Kind = Kind::Number("J");
-const SQUARED_JERK: Kind = Kind::Number("m^2/s^5");
+const PLAIN: QuantityKind = QuantityKind::Number("");
+const METRES: QuantityKind = QuantityKind::Number("m");
+const DEGREES: QuantityKind = QuantityKind::Number("deg");
+const RADIANS: QuantityKind = QuantityKind::Number("rad");
+const SECONDS: QuantityKind = QuantityKind::Number("s");
+const METRES_PER_SECOND: QuantityKind = QuantityKind::Number("m/s");
+const ACCELERATION: QuantityKind = QuantityKind::Number("m/s^2");
+const JERK: QuantityKind = QuantityKind::Number("m/s^3");
+const RADIANS_PER_SECOND: QuantityKind = QuantityKind::Number("rad/s");
+const NEWTONS: QuantityKind = QuantityKind::Number("N");
+const NEWTON_METRES: QuantityKind = QuantityKind::Number("Nm");
+const JOULES: QuantityKind = QuantityKind::Number("J");
+const SQUARED_JERK: QuantityKind = QuantityKind::Number("m^2/s^5");
 
 type Of<V> = Quantity<fn(&V) -> Value>;
 
@@ -191,8 +191,8 @@ mod tests {
     use std::collections::BTreeSet;
 
     /// Key and kind of every quantity, nested ones included.
-    fn all() -> Vec<(&'static str, Kind)> {
-        fn of<Getter>(quantities: &[Quantity<Getter>]) -> Vec<(&'static str, Kind)> {
+    fn all() -> Vec<(&'static str, QuantityKind)> {
+        fn of<Getter>(quantities: &[Quantity<Getter>]) -> Vec<(&'static str, QuantityKind)> {
             quantities.iter().map(|quantity| (quantity.key, quantity.kind)).collect()
         }
         let nested =
@@ -205,13 +205,13 @@ mod tests {
         let suffix = |unit: &str| format!("_{}", unit.to_lowercase().replace('/', "_per_").replace('^', ""));
         let units: BTreeSet<&str> = all()
             .iter()
-            .filter_map(|(_, kind)| if let Kind::Number(unit) = kind { Some(*unit) } else { None })
+            .filter_map(|(_, kind)| if let QuantityKind::Number(unit) = kind { Some(*unit) } else { None })
             .collect();
         assert!(units.len() > 8, "{units:?}");
         for (key, kind) in all() {
             assert!(key.bytes().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == b'_'), "{key}");
             match kind {
-                Kind::Number(unit) if !unit.is_empty() => {
+                QuantityKind::Number(unit) if !unit.is_empty() => {
                     assert!(key.ends_with(&suffix(unit)), "{key}: {unit}")
                 }
                 _ => {

@@ -1,16 +1,18 @@
 //! The inputs of the controller's decision in a step: references, and the candidates of eq. (8). They are in
 //! recordings only.
 
-use super::{Fields, Kind, METRES, PLAIN, Quantity, RADIANS, Value, View, fields, headings, quantities};
+use super::{
+    Fields, METRES, PLAIN, Quantity, QuantityKind, RADIANS, Value, View, fields, headings, quantities,
+};
 use crate::control::{CandidateCost, Reference};
 use crate::robot::Configuration;
-use Kind::{List, Numbers, Text};
+use QuantityKind::{List, Numbers, Text};
 
 /// The references and candidates of a step. Missing without a robot.
 #[rustfmt::skip]
 pub const PREPARATION: &[Quantity] = quantities! {
     "references", List(|| headings(REFERENCE)), "what eq. (7) and (8) track: all options while the human leads, else the one executed", |v| references(v);
-    "target", Kind::Record(|| headings(CONFIGURATION)), "q*, the configuration that eq. (8) chose, else the present one", |v| v.episode.decision_basis().map(|c| configuration(v, c.target));
+    "target", QuantityKind::Record(|| headings(CONFIGURATION)), "q*, the configuration that eq. (8) chose, else the present one", |v| v.episode.decision_basis().map(|c| configuration(v, c.target));
     "candidates", List(|| headings(CANDIDATE)), "Q of eq. (8), the present configuration first; none where eq. (8) was not solved", |v| candidates(v);
 };
 
@@ -50,7 +52,7 @@ type OfCandidate = Quantity<fn(&(Fields, CandidateCost)) -> Value>;
 
 #[rustfmt::skip]
 const CANDIDATE: &[OfCandidate] = quantities! {
-    "q", Kind::Record(|| headings(CONFIGURATION)), "the configuration", |(q, _)| q.clone();
+    "q", QuantityKind::Record(|| headings(CONFIGURATION)), "the configuration", |(q, _)| q.clone();
     "lower_bound", PLAIN, "the sum of eq. (8) without limits; missing where no costs were asked for", |(_, found)| found.lower_bound;
     "total", PLAIN, "the sum of eq. (8) (minus the manipulability, if that is the criterion); missing where it is known to exceed the least without being \
         worked out", |(_, found)| found.cost;
@@ -85,7 +87,7 @@ fn candidates(view: &View) -> Option<Vec<Fields>> {
 
 /// Key and kind of every quantity in a nested record.
 #[cfg(test)]
-pub(super) fn nested() -> Vec<(&'static str, Kind)> {
+pub(super) fn nested() -> Vec<(&'static str, QuantityKind)> {
     let of_references = REFERENCE.iter().map(|q| (q.key, q.kind));
     let of_configurations = CONFIGURATION.iter().map(|q| (q.key, q.kind));
     of_references.chain(of_configurations).chain(CANDIDATE.iter().map(|q| (q.key, q.kind))).collect()

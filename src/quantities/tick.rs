@@ -1,8 +1,8 @@
 //! The quantities of one planning step.
 
 use super::{
-    ACCELERATION, DEGREES, Fields, JERK, JOULES, Kind, METRES, METRES_PER_SECOND, NEWTON_METRES, NEWTONS,
-    PLAIN, Quantity, RADIANS, RADIANS_PER_SECOND, Record, SECONDS, SQUARED_JERK, Value, View, fields,
+    ACCELERATION, DEGREES, Fields, JERK, JOULES, METRES, METRES_PER_SECOND, NEWTON_METRES, NEWTONS, PLAIN,
+    Quantity, QuantityKind, RADIANS, RADIANS_PER_SECOND, Record, SECONDS, SQUARED_JERK, Value, View, fields,
     headings, quantities, read,
 };
 use crate::control::{Failure, SolveOutcome};
@@ -10,7 +10,7 @@ use crate::coordination::{OptionTick, STUBBORNNESS_THRESHOLD};
 use crate::episode::{ControlSummary, EndMotions, PhysicsTick, Preparation, RobotTick, Summary, Tick};
 use crate::robot::{ArmJoint, Motion};
 use crate::simulation::Observation;
-use Kind::{Count, Flag, List, Text};
+use QuantityKind::{Count, Flag, List, Text};
 
 impl View<'_> {
     pub(super) fn tick(&self) -> &Tick {

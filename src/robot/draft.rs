@@ -10,7 +10,7 @@ use super::draft_tree::carried_by;
 use super::level::FULL;
 use super::link::Link;
 use super::load;
-use super::postures::{self, Found, Places};
+use super::postures::{self, FoundPosture, Places};
 use super::texts::{Expand, RobotTexts};
 use super::{Robot, tuck};
 use crate::error::{Error, Place};
@@ -40,7 +40,7 @@ const ARM_RADIUS_M: f64 = 0.08;
 /// opening as narrow as the base, such an arm would touch the walls; a disc is as wide as what is farther out.
 const MAX_OUTSIDE_M: f64 = 0.05;
 
-/// Room of a posture, as [`Found`] has it, with which no other height is tried.
+/// Room of a posture, as [`FoundPosture`] has it, with which no other height is tried.
 const ENOUGH_ROOM: f64 = 0.2;
 
 impl Draft {
@@ -109,7 +109,7 @@ struct Attempt {
     holds: Vec<Hold>,
     base_size: BaseSize,
     height: f64,
-    found: Vec<Found>,
+    found: Vec<FoundPosture>,
 }
 
 impl Attempt {
@@ -278,8 +278,8 @@ fn best_postures(
     heights: &[f64],
     outline: &Footprint,
     places: Places,
-) -> Option<(f64, Vec<Found>)> {
-    let room = |found: &Option<(f64, Vec<Found>)>| {
+) -> Option<(f64, Vec<FoundPosture>)> {
+    let room = |found: &Option<(f64, Vec<FoundPosture>)>| {
         found.as_ref().and_then(|(_, postures)| postures.first()).map_or(0.0, |best| best.room)
     };
     let mut found = None;

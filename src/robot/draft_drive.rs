@@ -29,7 +29,7 @@ const SKEW_RAD: f64 = 0.2;
 
 /// The drive that was found, with the links of its wheels.
 #[derive(Clone, Debug)]
-pub(super) enum Found {
+pub(super) enum FoundDrive {
     /// Two driven wheels, left first, and whether that is said: there are others that roll freely.
     Differential([usize; 2], bool),
     /// Driven wheels of the left and of the right side.
@@ -38,7 +38,7 @@ pub(super) enum Found {
     Omnidirectional { wheels: Vec<usize>, are_mecanum: bool },
 }
 
-impl Found {
+impl FoundDrive {
     pub fn wheels(&self) -> Vec<usize> {
         match self {
             Self::Differential(wheels, _) => wheels.to_vec(),
@@ -120,7 +120,7 @@ impl<'a> Seen<'a> {
     }
 
     /// The drive that the request gives, or else the one that the URDF leaves no doubt about.
-    pub fn drive(&self, request: &DraftRequest, assumed: &mut Vec<String>) -> Result<Found, Error> {
+    pub fn drive(&self, request: &DraftRequest, assumed: &mut Vec<String>) -> Result<FoundDrive, Error> {
         if let Some(names) = &request.wheels {
             return self.given(names, request.drive);
         }
@@ -155,7 +155,7 @@ impl<'a> Seen<'a> {
     }
 
     /// The wheels that the request names.
-    fn given(&self, names: &[String; 2], drive: Option<DriveKind>) -> Result<Found, Error> {
+    fn given(&self, names: &[String; 2], drive: Option<DriveKind>) -> Result<FoundDrive, Error> {
         let links = self.links;
         let found = names.each_ref().map(|name| carried_by(links, name));
         let [Some(left), Some(right)] = found else {
@@ -169,10 +169,10 @@ impl<'a> Seen<'a> {
         if drive.is_none() && !others.is_empty() {
             return Err(self.many(&[vec![left, right], others].concat()));
         }
-        Ok(Found::Differential([left, right], drive.is_some()))
+        Ok(FoundDrive::Differential([left, right], drive.is_some()))
     }
 
-    fn differential(&self, is_said: bool, assumed: &mut Vec<String>) -> Result<Found, Error> {
+    fn differential(&self, is_said: bool, assumed: &mut Vec<String>) -> Result<FoundDrive, Error> {
         let (wheels, has_others) = self.pair()?;
         let car = self.steered.iter().filter_map(|&i| steering(self.links, self.poses, i));
         let car: Vec<usize> =
@@ -189,10 +189,10 @@ impl<'a> Seen<'a> {
         let [left, right] = wheels.map(|i| joint_name(self.links, i));
         let freely = if has_others { "; the others roll freely (--left-wheel, --right-wheel)" } else { "" };
         assumed.push(format!("the driven wheels are `{left}` and `{right}`{freely}"));
-        Ok(Found::Differential(wheels, is_said || has_others))
+        Ok(FoundDrive::Differential(wheels, is_said || has_others))
     }
 
-    fn skid_steer(&self, assumed: &mut Vec<String>) -> Result<Found, Error> {
+    fn skid_steer(&self, assumed: &mut Vec<String>) -> Result<FoundDrive, Error> {
         let mut sides = [1.0, -1.0].map(|side| {
             let of = self.straight.iter().copied().filter(|&i| self.at(i).y * side > 0.0);
             of.collect::<Vec<_>>()
@@ -211,7 +211,7 @@ impl<'a> Seen<'a> {
         assumed.push(format!(
             "in turns they skid as if they were {SKID_MULTIPLIER} times as far apart (wheel_separation_multiplier)"
         ));
-        Ok(Found::SkidSteer(sides))
+        Ok(FoundDrive::SkidSteer(sides))
     }
 
     /// Why the base moves in any direction, if its wheels leave no doubt, and those of them that are drawn
@@ -359,12 +359,12 @@ impl<'a> Seen<'a> {
     }
 }
 
-fn omnidirectional(wheels: Vec<usize>, are_mecanum: bool, assumed: &mut Vec<String>) -> Found {
+fn omnidirectional(wheels: Vec<usize>, are_mecanum: bool, assumed: &mut Vec<String>) -> FoundDrive {
     let [speed, turn] = ASSUMED_LIMITS;
     assumed.push(format!(
         "the base drives {speed:.1} m/s and turns {turn:.1} rad/s at most: a URDF does not say"
     ));
-    Found::Omnidirectional { wheels, are_mecanum }
+    FoundDrive::Omnidirectional { wheels, are_mecanum }
 }
 
 /// The base of a URDF whose wheels are not known: the link below joints that stand for one, the link on the

@@ -5,7 +5,7 @@ use super::MAX_LISTED;
 use super::collision;
 use super::draft_approach::{Approach, approach};
 use super::draft_arms::{Arm, arms};
-use super::draft_drive::{Found, Seen, standing};
+use super::draft_drive::{FoundDrive, Seen, standing};
 use super::draft_holds::{self, Hold};
 use super::draft_legs::{check_legs, has_base, in_plane, no_base, rolling_part};
 use super::draft_request::DraftRequest;
@@ -195,7 +195,7 @@ impl Search<'_> {
 
     /// The radius of the wheels where the loader cannot measure it. Wheels of an omnidirectional base without
     /// one are not drawn turning.
-    fn radius(&self, drive: &mut Found) -> Result<Option<(f64, &'static str)>, Error> {
+    fn radius(&self, drive: &mut FoundDrive) -> Result<Option<(f64, &'static str)>, Error> {
         let wheels = drive.wheels();
         let Some(&wheel) = wheels.first() else { return Ok(None) };
         if let Some(given) = self.request.wheel_radius {
@@ -214,7 +214,7 @@ impl Search<'_> {
                 return Ok(Some((height, "the height of its axle")));
             }
         }
-        if let Found::Omnidirectional { wheels, .. } = drive {
+        if let FoundDrive::Omnidirectional { wheels, .. } = drive {
             wheels.clear();
             return Ok(None);
         }
@@ -233,7 +233,7 @@ impl Search<'_> {
     }
 
     /// The rate limit of wheels for which the URDF has none.
-    fn rate(&self, drive: &Found, radius: Option<(f64, &str)>) -> Option<f64> {
+    fn rate(&self, drive: &FoundDrive, radius: Option<(f64, &str)>) -> Option<f64> {
         let has_rate = |&wheel: &usize| {
             self.links[wheel].joint.as_ref().is_some_and(|j| j.limits.rate > 0.0 && j.limits.rate.is_finite())
         };

@@ -2,7 +2,7 @@
 
 use super::draft_search::Parts;
 use super::footprint;
-use super::postures::Found;
+use super::postures::FoundPosture;
 use super::warning::WarningKind;
 use super::{Motion, Robot};
 use crate::geometry::{Footprint, Point};
@@ -51,8 +51,8 @@ pub(super) fn head(
 }
 
 /// A `[[posture]]`.
-pub(super) fn posture(robot: &Robot, found: &Found, number: usize) -> String {
-    let Found { ahead, lateral_offset, .. } = *found;
+pub(super) fn posture(robot: &Robot, found: &FoundPosture, number: usize) -> String {
+    let FoundPosture { ahead, lateral_offset, .. } = *found;
     let aside = match lateral_offset.abs() < 0.005 {
         true => String::new(),
         false => format!(

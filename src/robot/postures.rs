@@ -14,7 +14,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// A posture that holds the grasp level, straight ahead of the middle of the axle, or where an arm that
 /// is not free can.
 #[derive(Clone, Debug)]
-pub(super) struct Found {
+pub(super) struct FoundPosture {
     pub joints: JointVector,
     /// x and y of the grasp in the drive's frame, m.
     pub ahead: f64,
@@ -84,9 +84,9 @@ const BALL_SPACING_M: f64 = 0.25;
 
 /// The best postures with the grasp at this height, best first; all have the roll of the best. Empty if none
 /// exists. The arm stays above the base's outline.
-pub(super) fn search(robot: &Robot, height: f64, footprint: &Footprint, places: Places) -> Vec<Found> {
+pub(super) fn search(robot: &Robot, height: f64, footprint: &Footprint, places: Places) -> Vec<FoundPosture> {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
-    let mut all: Vec<Found> = Vec::new();
+    let mut all: Vec<FoundPosture> = Vec::new();
     let is_full = robot.freedom() == FULL;
     let mut poses = Vec::new();
     let starts = if places == Places::Ahead { STARTS } else { STARTS_AROUND };
@@ -104,7 +104,7 @@ pub(super) fn search(robot: &Robot, height: f64, footprint: &Footprint, places: 
             }
         }
     }
-    let by_room = |a: &Found, b: &Found| b.room.total_cmp(&a.room);
+    let by_room = |a: &FoundPosture, b: &FoundPosture| b.room.total_cmp(&a.room);
     all.sort_by(by_room);
     all.truncate(MAX_REACHES);
     let least_reach = if places == Places::Ahead { 0.0 } else { MIN_REACH_AROUND };
@@ -114,9 +114,10 @@ pub(super) fn search(robot: &Robot, height: f64, footprint: &Footprint, places: 
         reach >= least_reach
     });
     all.sort_by(by_room);
-    let mut best: Vec<Found> = Vec::new();
+    let mut best: Vec<FoundPosture> = Vec::new();
     for found in all {
-        let is_new = |kept: &Found| kept.roll == found.roll && difference(robot, kept, &found) > DIFFERENT;
+        let is_new =
+            |kept: &FoundPosture| kept.roll == found.roll && difference(robot, kept, &found) > DIFFERENT;
         if best.iter().all(is_new) && best.len() < MAX_POSTURES {
             best.push(found);
         }
@@ -140,7 +141,7 @@ fn positions(robot: &Robot, height: f64, footprint: &Footprint, places: Places) 
 }
 
 /// The largest difference of a joint between two postures, rad or m; full turns do not count.
-fn difference(robot: &Robot, one: &Found, other: &Found) -> f64 {
+fn difference(robot: &Robot, one: &FoundPosture, other: &FoundPosture) -> f64 {
     let by = one.joints - other.joints;
     let of = robot.joints.iter().zip(by.iter()).map(|(joint, by)| match joint.motion {
         Motion::Revolute => wrap_angle(*by).abs(),
@@ -179,7 +180,7 @@ fn judge(
     roll: f64,
     footprint: &Footprint,
     poses: &mut Vec<Pose>,
-) -> Option<Found> {
+) -> Option<FoundPosture> {
     let grasp = robot.drive_from_grasp(&joints).translation.vector;
     let (ahead, half_width) = (footprint.reach(Vector::x()), across(footprint) / 2.0);
     let is_clear =
@@ -199,12 +200,12 @@ fn judge(
     }
     let room = clearance.min(0.5) * (robot.dexterity_where_free(&joints) / DEXTEROUS).min(1.0);
     let room = room / (1.0 + grasp.y.abs() / LATERAL_HALF_M);
-    Some(Found { joints, ahead: grasp.x, lateral_offset: grasp.y, roll, room })
+    Some(FoundPosture { joints, ahead: grasp.x, lateral_offset: grasp.y, roll, room })
 }
 
 /// How far the grasp can move ahead, back and to either side and turn, the least of all, as a share of what is
 /// enough.
-fn reach_share(robot: &Robot, found: &Found) -> f64 {
+fn reach_share(robot: &Robot, found: &FoundPosture) -> f64 {
     // an arm that is not free leaves most of it to the base
     if robot.freedom() < FULL {
         return 1.0;

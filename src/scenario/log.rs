@@ -24,7 +24,7 @@ pub struct EpisodeLog {
     /// The decisions from outside.
     #[serde(default, skip_serializing_if = "Decisions::is_empty")]
     pub decisions: Decisions,
-    /// [Digests](crate::episode::State::digest) of 16 hexadecimal digits, by the number of steps after which
+    /// [Digests](crate::episode::EpisodeState::digest) of 16 hexadecimal digits, by the number of steps after which
     /// they were taken.
     #[serde(default)]
     pub digests: Vec<(u64, String)>,

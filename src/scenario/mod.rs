@@ -35,7 +35,7 @@ pub use log::EpisodeLog;
 pub use plant::{Plant, PlantKind, RobotSetup};
 pub use preference_changes::{ParsePreferenceChangesError, PreferenceChanges, drawn_changes};
 pub use prepared::{Partners, PreparedScenario};
-pub use setting::{Applies, Field, Group, Kind, Range, Setting, Value};
+pub use setting::{Applies, Field, Range, Setting, SettingGroup, SettingKind, Value};
 pub use settings::{
     AVOID, BELIEF_LAPSE, BELIEF_RATIONALITY, INITIAL_STUBBORNNESS, PERCEPTION, PERIOD, PLANNING_STEP, POSE,
     POSTURE, RISK_WEIGHT, SETTINGS, SWAY,
@@ -96,7 +96,7 @@ pub struct Scenario {
     #[serde(rename = "change", default, skip_serializing_if = "Vec::is_empty")]
     pub changes: Vec<PreferenceChange>,
     /// Settings of the episode: belief, method, speed, step limit.
-    pub settings: episode::Settings,
+    pub settings: episode::EpisodeSettings,
     /// The plant.
     pub plant: Plant,
 }
@@ -104,7 +104,7 @@ pub struct Scenario {
 impl Scenario {
     /// The default episode of `cocarry run` in a world: seed 0, its human, and all defaults.
     pub fn new(world: GivenWorld, plant: Plant) -> Self {
-        let settings = episode::Settings::default();
+        let settings = episode::EpisodeSettings::default();
         let belief = settings.predictor.belief().clone();
         Self::of_seed(0, world, plant, settings, &belief, GivenPerception::default())
     }
@@ -115,7 +115,7 @@ impl Scenario {
         seed: u64,
         world: GivenWorld,
         plant: Plant,
-        settings: episode::Settings,
+        settings: episode::EpisodeSettings,
         humans: &Belief,
         given: GivenPerception,
     ) -> Self {

@@ -36,7 +36,7 @@ pub struct RobotSetup {
     /// The posture at the start, by its name in the robot file.
     pub posture: String,
     /// The controller.
-    pub control: control::Settings,
+    pub control: control::ControlSettings,
     /// The robot.
     pub robot: GivenRobot,
 }
@@ -85,7 +85,7 @@ impl RobotSetup {
     /// A robot that starts from its first posture, with the default controller.
     pub fn new(robot: &Robot) -> Self {
         let posture = robot.postures.first().map_or(String::new(), |posture| posture.name.clone());
-        Self { posture, control: control::Settings::default(), robot: robot.clone().into() }
+        Self { posture, control: control::ControlSettings::default(), robot: robot.clone().into() }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Preference changes drawn from a seed: their steps, and the new alpha and gamma.
 
 use super::{GivenPerception, drawn_human};
-use crate::episode::{PreferenceChange, Settings, prospects};
+use crate::episode::{EpisodeSettings, PreferenceChange, prospects};
 use crate::options::OptionSet;
 use crate::preference::{Belief, Perception, human_choice};
 use crate::suggestion::Expected;
@@ -48,7 +48,7 @@ impl PreferenceChanges {
         belief: &Belief,
         first: Perception,
         options: &OptionSet,
-        settings: &Settings,
+        settings: &EpisodeSettings,
         rng: &mut R,
     ) -> Vec<PreferenceChange> {
         let count = match self {
@@ -79,7 +79,7 @@ pub fn drawn_changes(
     given: GivenPerception,
     seed: u64,
     options: &OptionSet,
-    settings: &Settings,
+    settings: &EpisodeSettings,
 ) -> Vec<PreferenceChange> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(STREAM);

@@ -15,18 +15,18 @@ pub struct Setting {
     /// Its key in a scenario's text, with the tables around it.
     pub path: &'static str,
     /// The part of the help and of the documentation that it belongs to.
-    pub group: Group,
+    pub group: SettingGroup,
     /// Its help text, with its unit.
     pub about: &'static str,
     /// The teams to which it applies.
     pub applies: Applies,
     /// Its values, and its field in a scenario.
-    pub kind: Kind,
+    pub kind: SettingKind,
 }
 
 /// The part of the help that a setting belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Group {
+pub enum SettingGroup {
     /// The human.
     Human,
     /// The robot and the plant.
@@ -41,7 +41,7 @@ pub enum Group {
     Physics,
 }
 
-impl Group {
+impl SettingGroup {
     /// Its title.
     pub const fn title(self) -> &'static str {
         match self {
@@ -70,7 +70,7 @@ pub enum Applies {
 
 /// The values of a setting, and its field in a scenario.
 #[derive(Debug)]
-pub enum Kind {
+pub enum SettingKind {
     /// A number with its unit ("" if it has none), in a range.
     Number(&'static str, Range, Field<f64>),
     /// A whole number from 1 to a limit.
@@ -94,13 +94,13 @@ pub struct Field<T> {
 /// The value of a setting.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
-    /// Of [`Kind::Number`].
+    /// Of [`SettingKind::Number`].
     Number(f64),
-    /// Of [`Kind::Count`].
+    /// Of [`SettingKind::Count`].
     Count(u64),
-    /// Of [`Kind::Flag`].
+    /// Of [`SettingKind::Flag`].
     Flag(bool),
-    /// Of [`Kind::Word`] and [`Kind::Text`].
+    /// Of [`SettingKind::Word`] and [`SettingKind::Text`].
     Text(String),
 }
 
@@ -116,10 +116,12 @@ impl Setting {
     /// Its value in a scenario; `None` if the scenario does not have the setting.
     pub fn get(&self, scenario: &Scenario) -> Option<Value> {
         match &self.kind {
-            Kind::Number(.., field) => (field.get)(scenario).map(Value::Number),
-            Kind::Count(_, field) => (field.get)(scenario)?.map(Value::Count),
-            Kind::Flag(field) => (field.get)(scenario).map(Value::Flag),
-            Kind::Word(_, field) | Kind::Text(.., field) => (field.get)(scenario).map(Value::Text),
+            SettingKind::Number(.., field) => (field.get)(scenario).map(Value::Number),
+            SettingKind::Count(_, field) => (field.get)(scenario)?.map(Value::Count),
+            SettingKind::Flag(field) => (field.get)(scenario).map(Value::Flag),
+            SettingKind::Word(_, field) | SettingKind::Text(.., field) => {
+                (field.get)(scenario).map(Value::Text)
+            }
         }
     }
 
@@ -127,10 +129,10 @@ impl Setting {
     /// not have the setting.
     pub fn set(&self, scenario: &mut Scenario, value: &Value) {
         match (&self.kind, value) {
-            (Kind::Number(.., field), Value::Number(value)) => (field.set)(scenario, *value),
-            (Kind::Count(_, field), Value::Count(value)) => (field.set)(scenario, Some(*value)),
-            (Kind::Flag(field), Value::Flag(value)) => (field.set)(scenario, *value),
-            (Kind::Word(_, field) | Kind::Text(.., field), Value::Text(text)) => {
+            (SettingKind::Number(.., field), Value::Number(value)) => (field.set)(scenario, *value),
+            (SettingKind::Count(_, field), Value::Count(value)) => (field.set)(scenario, Some(*value)),
+            (SettingKind::Flag(field), Value::Flag(value)) => (field.set)(scenario, *value),
+            (SettingKind::Word(_, field) | SettingKind::Text(.., field), Value::Text(text)) => {
                 (field.set)(scenario, text.clone());
             }
             _ => {}
@@ -140,28 +142,28 @@ impl Setting {
     /// Whether the value is allowed.
     pub fn accepts(&self, value: &Value) -> bool {
         match (&self.kind, value) {
-            (Kind::Number(_, range, _), Value::Number(value)) => range.contains(*value),
-            (Kind::Count(most, _), Value::Count(value)) => (1..=*most).contains(value),
-            (Kind::Flag(_), Value::Flag(_)) => true,
-            (Kind::Word(words, _), Value::Text(text)) => words().iter().any(|(word, _)| word == text),
-            (Kind::Text(_, accepts, _), Value::Text(text)) => accepts(text),
+            (SettingKind::Number(_, range, _), Value::Number(value)) => range.contains(*value),
+            (SettingKind::Count(most, _), Value::Count(value)) => (1..=*most).contains(value),
+            (SettingKind::Flag(_), Value::Flag(_)) => true,
+            (SettingKind::Word(words, _), Value::Text(text)) => words().iter().any(|(word, _)| word == text),
+            (SettingKind::Text(_, accepts, _), Value::Text(text)) => accepts(text),
             _ => false,
         }
     }
 
     /// Its words; `None` if its values are not words.
     pub fn words(&self) -> Option<Vec<Word>> {
-        if let Kind::Word(words, _) = &self.kind { Some(words()) } else { None }
+        if let SettingKind::Word(words, _) = &self.kind { Some(words()) } else { None }
     }
 
     /// A description of the allowed values, for errors.
     pub fn expected(&self) -> Expected {
         match &self.kind {
-            Kind::Number(_, range, _) => range.to_string().into(),
-            Kind::Count(most, _) => format!("a whole number from 1 to {most}").into(),
-            Kind::Flag(_) => "true or false".into(),
-            Kind::Word(words, _) => one_of(&words()),
-            Kind::Text(form, ..) => form(),
+            SettingKind::Number(_, range, _) => range.to_string().into(),
+            SettingKind::Count(most, _) => format!("a whole number from 1 to {most}").into(),
+            SettingKind::Flag(_) => "true or false".into(),
+            SettingKind::Word(words, _) => one_of(&words()),
+            SettingKind::Text(form, ..) => form(),
         }
     }
 
@@ -171,10 +173,10 @@ impl Setting {
     /// A description of the allowed values, if the text is not one of them.
     pub fn parse(&self, text: &str) -> Result<Value, String> {
         let value = match &self.kind {
-            Kind::Number(..) => text.parse().ok().map(Value::Number),
-            Kind::Count(..) => text.parse().ok().map(Value::Count),
-            Kind::Flag(_) => text.parse().ok().map(Value::Flag),
-            Kind::Word(..) | Kind::Text(..) => Some(Value::Text(text.to_owned())),
+            SettingKind::Number(..) => text.parse().ok().map(Value::Number),
+            SettingKind::Count(..) => text.parse().ok().map(Value::Count),
+            SettingKind::Flag(_) => text.parse().ok().map(Value::Flag),
+            SettingKind::Word(..) | SettingKind::Text(..) => Some(Value::Text(text.to_owned())),
         };
         value.filter(|value| self.accepts(value)).ok_or_else(|| {
             let expected = self.expected();
@@ -272,7 +274,8 @@ mod tests {
     #[test]
     fn a_key_ends_in_the_unit_that_its_setting_declares() {
         let suffix = |unit: &str| format!("_{}", unit.to_lowercase().replace('/', "_per_").replace('^', ""));
-        let unit = |setting: &Setting| if let Kind::Number(unit, ..) = setting.kind { unit } else { "" };
+        let unit =
+            |setting: &Setting| if let SettingKind::Number(unit, ..) = setting.kind { unit } else { "" };
         for setting in SETTINGS {
             let unit = unit(setting);
             match unit {

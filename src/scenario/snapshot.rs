@@ -11,7 +11,7 @@ use super::{PreparedScenario, Scenario};
 use crate::arithmetic;
 use crate::bounds;
 use crate::cbor;
-use crate::episode::{Episode, State};
+use crate::episode::{Episode, EpisodeState};
 use crate::error::{Error, Place};
 use crate::located;
 use serde::{Deserialize, Serialize};
@@ -30,7 +30,7 @@ pub struct Snapshot {
     /// The scenario of the episode.
     pub scenario: Scenario,
     /// The state of the episode.
-    pub state: State,
+    pub state: EpisodeState,
     /// The [stamp](arithmetic::stamp) of the arithmetic that computed the state. With another arithmetic, the
     /// episode resumes with other last bits.
     pub arithmetic: String,
@@ -51,7 +51,7 @@ impl PreparedScenario {
     ///
     /// # Errors
     /// The state does not belong to this scenario.
-    pub fn resume(&self, state: State) -> Result<Episode<'_>, Error> {
+    pub fn resume(&self, state: EpisodeState) -> Result<Episode<'_>, Error> {
         Ok(self.episode()?.resume(state)?)
     }
 }

@@ -42,12 +42,12 @@ pub struct InTandem<'a> {
     pace: Pace,
     /// Whether the team stands in line with its first path. Otherwise it begins with a turn.
     faces_path: bool,
-    state: State,
+    state: TandemState,
 }
 
 /// The state that later steps depend on.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-struct State {
+struct TandemState {
     team_path: TeamPath,
     /// The leader's intended position along the path, m: ahead of the object by the deflection of the grips.
     path_position: f64,
@@ -70,7 +70,8 @@ impl<'a> InTandem<'a> {
         (team_path, goal): (TeamPath, PlanarPose),
         faces_path: bool,
     ) -> Self {
-        let state = State { team_path, path_position: 0.0, path_speed: 0.0, goal, unhindered: [0.0; 2] };
+        let state =
+            TandemState { team_path, path_position: 0.0, path_speed: 0.0, goal, unhindered: [0.0; 2] };
         Self { free_space, pace, faces_path, state }
     }
 
@@ -150,7 +151,7 @@ impl<'a> InTandem<'a> {
     fn path_position(&self, seen: &Seen, ahead: &PathAhead, speed: f64) -> (f64, f64) {
         match ahead.mode {
             Mode::RobotLed => {
-                let State { path_position, path_speed, .. } = self.state;
+                let TandemState { path_position, path_speed, .. } = self.state;
                 let yielding = yielding(seen, ahead.mode);
                 (path_position - (1.0 - yielding) * (path_position - ahead.along), path_speed * yielding)
             }
@@ -178,7 +179,7 @@ impl<'a> InTandem<'a> {
         let out_of_place = grasp.map_or(0.0, |grasp| (self.grasp_goal(seen).position - grasp).norm());
         let yielding = yielding(seen, step.mode);
         let pace = self.pace;
-        let State { team_path, path_position, path_speed, goal, unhindered } = &mut self.state;
+        let TandemState { team_path, path_position, path_speed, goal, unhindered } = &mut self.state;
         let turn = wrap_angle(team_path.pose(step.path, *path_position).yaw - goal.yaw).abs();
         let turning = share(TURNING_LAG_RAD, turn, 0.1);
         let ahead = match step.travel {
@@ -228,7 +229,7 @@ impl Walk for InTandem<'_> {
     fn turn(&mut self, path: &Path, along: f64, next: Path) -> Option<Turned> {
         let (next, end) = self.ended(next);
         let turned = self.turn_at(path, along, (&next, end))?;
-        let State { team_path, path_position, unhindered, .. } = &mut self.state;
+        let TandemState { team_path, path_position, unhindered, .. } = &mut self.state;
         team_path.leave(path, along);
         *path_position -= along;
         unhindered[0] -= along;
@@ -253,14 +254,14 @@ impl Walk for InTandem<'_> {
     }
 
     fn intended_grasp(&self, step: &Step<'_>, _: &Seen<'_>) -> PlanarPose {
-        let State { team_path, unhindered: [position, _], .. } = &self.state;
+        let TandemState { team_path, unhindered: [position, _], .. } = &self.state;
         team_path.end(&team_path.pose(step.path, *position), -1.0)
     }
 
     fn advance(&mut self, step: &Step<'_>, seen: &Seen<'_>) -> HumanMotion {
         let before = self.state.team_path.end(&self.state.goal, 1.0).position;
         self.set_goal(step, seen);
-        let State { team_path, path_position, goal, .. } = &self.state;
+        let TandemState { team_path, path_position, goal, .. } = &self.state;
         let led = team_path.end(goal, 1.0);
         // where the hand will be
         let hand = seen.hand() + (led.position - before);
@@ -279,7 +280,7 @@ impl Walk for InTandem<'_> {
     }
 
     fn locate(&self, step: &Step<'_>, seen: &Seen<'_>) -> Place {
-        let State { team_path, path_position, path_speed, .. } = &self.state;
+        let TandemState { team_path, path_position, path_speed, .. } = &self.state;
         let along = team_path.locate(step.path, seen.position, step.from, *path_position, *path_speed < 0.0);
         let length = step.path.length();
         let is_near =

@@ -2,7 +2,7 @@
 
 mod coverage;
 
-use cocarry::episode::{Outcome, Settings};
+use cocarry::episode::{EpisodeSettings, Outcome};
 use cocarry::options::OptionSet;
 use cocarry::policy::Method;
 use cocarry::preference::Predictor;
@@ -11,7 +11,7 @@ use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 use cocarry::world::World;
 use cocarry_studies::fit::{AnswerFile, RiskWeightSettings, Situation, fit_risk_weight};
 use cocarry_studies::paper::cycles::mixed_world;
-use cocarry_studies::paper::h3::{PoseMethod, Study};
+use cocarry_studies::paper::h3::{PoseMethod, PoseStudy};
 use cocarry_studies::paper::{self, h1, h2};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -64,7 +64,7 @@ fn paper_risk_weight() {
 
 #[test]
 fn paper_table_2() {
-    let rows = h2::table(&Settings::default(), 0, &|| ()).expect("built-in worlds");
+    let rows = h2::table(&EpisodeSettings::default(), 0, &|| ()).expect("built-in worlds");
     assert_eq!(rows.len(), 16);
     for row in &rows {
         let tolerance = if row.environment == 2 { 0.10 } else { 0.08 };
@@ -103,7 +103,8 @@ fn property_no_option_doubles_back_in_1000_random_worlds() {
 
 #[test]
 fn paper_environment_4_example() {
-    let (_, runs) = h2::example(paper::EXAMPLE_ENVIRONMENT, &Settings::default()).expect("a built-in world");
+    let (_, runs) =
+        h2::example(paper::EXAMPLE_ENVIRONMENT, &EpisodeSettings::default()).expect("a built-in world");
     for run in &runs {
         assert_eq!(run.summary.outcome, Outcome::Arrived);
         let Some((step, option)) = run.paper else { continue };
@@ -121,13 +122,13 @@ fn paper_environment_4_example() {
 #[test]
 fn paper_table_3() {
     let robot = Robot::built_in().expect("the built-in robot");
-    let study = Study {
+    let study = PoseStudy {
         plant: &Plant::new(PlantKind::Kinematic, RobotSetup::new(&robot)),
         starts: &[&robot.postures[0].name],
         methods: &PoseMethod::ALL,
         episodes: 3,
         seed: 0,
-        settings: &Settings::default(),
+        settings: &EpisodeSettings::default(),
     };
     let rows = study.table(&|| ()).expect("built-in worlds");
     assert_eq!(rows.len(), 16 * PoseMethod::ALL.len());

@@ -2,7 +2,7 @@
 
 use crate::support::{load, repository};
 use cocarry::control::{self, RobotObstacles, SolveOutcome};
-use cocarry::episode::{Episode, Manipulator, Settings};
+use cocarry::episode::{Episode, EpisodeSettings, Manipulator};
 use cocarry::geometry::{Footprint, Point};
 use cocarry::learning;
 use cocarry::policy::Method;
@@ -37,11 +37,12 @@ fn a_warm_tick_of_a_robot_that_learns_allocates_nothing() {
     let robot = Robot::built_in().expect("the built-in robot");
     let (world, options) = load(&repository("worlds/environment-4.toml"));
     let obstacles = RobotObstacles::new(&world);
-    let control = control::Settings::default();
+    let control = control::ControlSettings::default();
     let manipulator =
         Manipulator { robot: &robot, posture: robot.postures[0].joints, control, obstacles: &obstacles };
-    let learning = Some(learning::Settings { look_steps: 3, ..learning::Settings::default() });
-    let settings = Settings { method: Method::HUMAN_LED, learning, ..Settings::default() };
+    let learning =
+        Some(learning::LearningSettings { look_steps: 3, ..learning::LearningSettings::default() });
+    let settings = EpisodeSettings { method: Method::HUMAN_LED, learning, ..EpisodeSettings::default() };
     let mut episode =
         Episode::builder(&options, &settings, EXAMPLE_HUMAN).with_robot(manipulator).begin().expect("room");
     let mut sightings = 0;
@@ -73,9 +74,9 @@ fn count(share: f64, with: impl Fn(&mut Robot)) -> (usize, usize) {
     let obstacles = RobotObstacles::new(&world);
     let (mut free, mut limited) = (0, 0);
     for method in [Method::HUMAN_LED, Method::ROBOT_LED] {
-        let settings = Settings { method, ..Settings::default() };
+        let settings = EpisodeSettings { method, ..EpisodeSettings::default() };
         let posture = robot.postures[0].joints;
-        let control = control::Settings::default();
+        let control = control::ControlSettings::default();
         let manipulator = Manipulator { robot: &robot, posture, control, obstacles: &obstacles };
         let mut episode = Episode::builder(&options, &settings, EXAMPLE_HUMAN)
             .with_robot(manipulator)

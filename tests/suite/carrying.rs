@@ -3,16 +3,21 @@
 use crate::support::{cocarry, json, load, repository, stderr, stdout};
 use cocarry::control::{self, Avoid, CandidateSet, PoseCriterion, RobotObstacles, SolveOutcome};
 use cocarry::coordination::Mode;
-use cocarry::episode::{Episode, Manipulator, Outcome, Settings, Summary, Tick};
+use cocarry::episode::{Episode, EpisodeSettings, Manipulator, Outcome, Summary, Tick};
 use cocarry::math;
 use cocarry::policy::Method;
 use cocarry::robot::Robot;
 use cocarry_studies::paper::EXAMPLE_HUMAN;
 
-fn carry(world: &str, method: Method, control: control::Settings, robot: &Robot) -> (Summary, Vec<Tick>) {
+fn carry(
+    world: &str,
+    method: Method,
+    control: control::ControlSettings,
+    robot: &Robot,
+) -> (Summary, Vec<Tick>) {
     let (world, options) = load(&repository(world));
     let obstacles = RobotObstacles::new(&world);
-    let settings = Settings { method, ..Settings::default() };
+    let settings = EpisodeSettings { method, ..EpisodeSettings::default() };
     let posture = robot.postures[0].joints;
     let manipulator = Manipulator { robot, posture, control, obstacles: &obstacles };
     let mut episode =
@@ -33,7 +38,7 @@ fn property_every_step_of_the_robot_keeps_its_limits_and_its_books() {
     let robot = carrier();
     for set in [CandidateSet::None, CandidateSet::Arm, CandidateSet::WholeBody] {
         for method in [Method::HUMAN_LED, Method::MUTUAL] {
-            let control = control::Settings { candidates: set, ..control::Settings::default() };
+            let control = control::ControlSettings { candidates: set, ..control::ControlSettings::default() };
             let (summary, ticks) = carry("worlds/environment-4.toml", method, control, &robot);
             assert_eq!(summary.outcome, Outcome::Arrived);
             let total: f64 = ticks.iter().map(|t| t.robot.unwrap().cost()).sum();
@@ -69,7 +74,7 @@ fn property_every_step_of_the_robot_keeps_its_limits_and_its_books() {
 fn closed_form_the_tracking_error_of_a_step_is_the_distance_to_the_human_after_it() {
     let robot = carrier();
     let (summary, ticks) =
-        carry("worlds/environment-1.toml", Method::HUMAN_LED, control::Settings::default(), &robot);
+        carry("worlds/environment-1.toml", Method::HUMAN_LED, control::ControlSettings::default(), &robot);
     for pair in ticks.windows(2) {
         let (now, next) = (pair[0].robot.unwrap(), pair[1].robot.unwrap());
         let grasp = robot.grasp_pose(&next.configuration);
@@ -94,8 +99,12 @@ fn closed_form_the_tracking_error_of_a_step_is_the_distance_to_the_human_after_i
 
 #[test]
 fn a_robot_that_leads_follows_the_path_it_chose() {
-    let (summary, _) =
-        carry("worlds/environment-4.toml", Method::ROBOT_LED, control::Settings::default(), &carrier());
+    let (summary, _) = carry(
+        "worlds/environment-4.toml",
+        Method::ROBOT_LED,
+        control::ControlSettings::default(),
+        &carrier(),
+    );
     let control = summary.control.unwrap();
     assert!(control.error_rms(summary.steps) < 0.01, "{control:?}");
     assert_eq!(control.pose_changes, 0);
@@ -105,7 +114,7 @@ fn a_robot_that_leads_follows_the_path_it_chose() {
 fn obstacles_in_the_mpc_keep_the_base_clear() {
     let robot = carrier();
     let with = |avoid| {
-        let control = control::Settings { avoid, ..control::Settings::default() };
+        let control = control::ControlSettings { avoid, ..control::ControlSettings::default() };
         let (_, ticks) = carry("worlds/environment-2.toml", Method::HUMAN_LED, control, &robot);
         let limited =
             ticks.iter().filter(|t| t.robot.unwrap().outcome != SolveOutcome::Unconstrained).count();
@@ -121,7 +130,11 @@ fn obstacles_in_the_mpc_keep_the_base_clear() {
 fn the_criterion_decides_the_pose() {
     let robot = carrier();
     let cost = |criterion| {
-        let control = control::Settings { criterion, avoid: Avoid::Nothing, ..control::Settings::default() };
+        let control = control::ControlSettings {
+            criterion,
+            avoid: Avoid::Nothing,
+            ..control::ControlSettings::default()
+        };
         let (summary, _) = carry("worlds/environment-3.toml", Method::HUMAN_LED, control, &robot);
         summary.control.unwrap().cost()
     };
@@ -135,8 +148,8 @@ fn closed_form_eq_8_can_be_worked_out_from_what_a_step_tells() {
     let robot = carrier();
     let (world, options) = load(&repository("worlds/environment-4.toml"));
     let obstacles = RobotObstacles::new(&world);
-    let settings = Settings { method: Method::HUMAN_LED, ..Settings::default() };
-    let control = control::Settings { avoid: Avoid::Nothing, ..control::Settings::default() };
+    let settings = EpisodeSettings { method: Method::HUMAN_LED, ..EpisodeSettings::default() };
+    let control = control::ControlSettings { avoid: Avoid::Nothing, ..control::ControlSettings::default() };
     let posture = robot.postures[0].joints;
     let manipulator = Manipulator { robot: &robot, posture, control, obstacles: &obstacles };
     let mut episode =
@@ -181,7 +194,10 @@ fn closed_form_eq_8_can_be_worked_out_from_what_a_step_tells() {
 #[test]
 fn another_robot_carries_too() {
     let robot = Robot::load(&repository("tests/fixtures/robots/six.toml")).unwrap_or_else(|e| panic!("{e}"));
-    let control = control::Settings { candidates: CandidateSet::WholeBody, ..control::Settings::default() };
+    let control = control::ControlSettings {
+        candidates: CandidateSet::WholeBody,
+        ..control::ControlSettings::default()
+    };
     let (summary, ticks) = carry("worlds/environment-4.toml", Method::HUMAN_LED, control, &robot);
     assert_eq!(summary.outcome, Outcome::Arrived);
     assert!(summary.control.unwrap().error_rms(summary.steps) < 0.05, "{:?}", summary.control);

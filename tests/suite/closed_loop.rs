@@ -2,7 +2,7 @@
 
 use crate::support::{cocarry, load, repository, stderr, world_files};
 use cocarry::coordination::{self, Mode};
-use cocarry::episode::{Episode, Outcome, PreferenceChange, Settings, Tick, run};
+use cocarry::episode::{Episode, EpisodeSettings, Outcome, PreferenceChange, Tick, run};
 use cocarry::human::PreferenceHuman;
 use cocarry::math;
 use cocarry::policy::Method;
@@ -13,12 +13,17 @@ use cocarry_studies::paper::cycles::{Cause, Findings, Search};
 use cocarry_studies::paper::placed::Placed;
 use cocarry_studies::paper::starts;
 
-fn settings(method: Method, eta: f64) -> Settings {
-    let coordination = coordination::Settings { eta, ..coordination::Settings::default() };
-    Settings { method, coordination, ..Settings::default() }
+fn settings(method: Method, eta: f64) -> EpisodeSettings {
+    let coordination =
+        coordination::StubbornnessSettings { eta, ..coordination::StubbornnessSettings::default() };
+    EpisodeSettings { method, coordination, ..EpisodeSettings::default() }
 }
 
-fn ticks(world: &str, settings: &Settings, human: Perception) -> (cocarry::episode::Summary, Vec<Tick>) {
+fn ticks(
+    world: &str,
+    settings: &EpisodeSettings,
+    human: Perception,
+) -> (cocarry::episode::Summary, Vec<Tick>) {
     let (_, set) = load(&repository(world));
     let mut ticks = Vec::new();
     let summary = run(&set, settings, human, |t| ticks.push(t.clone()));
@@ -140,7 +145,7 @@ fn closed_form_what_an_episode_is_to_the_human() {
 
 #[test]
 fn an_episode_that_is_cut_short_says_so() {
-    let settings = Settings { tick_limit: Some(5), ..Settings::default() };
+    let settings = EpisodeSettings { tick_limit: Some(5), ..EpisodeSettings::default() };
     let (summary, ticks) = ticks("worlds/environment-4.toml", &settings, EXAMPLE_HUMAN);
     assert_eq!((summary.outcome, ticks.len()), (Outcome::OutOfTime, 5));
 }
@@ -148,7 +153,7 @@ fn an_episode_that_is_cut_short_says_so() {
 fn search(worlds: usize, seed: u64) -> Findings {
     let search = Search {
         plant: &Plant::Point,
-        settings: &Settings::default(),
+        settings: &EpisodeSettings::default(),
         worlds,
         seed,
         placed: Placed::AsDrawn,
@@ -171,7 +176,7 @@ fn paper_no_locked_cycles_in_random_worlds() {
 fn paper_no_locked_cycles_with_a_robot() {
     let robot = cocarry::robot::Robot::built_in().unwrap();
     let plant = Plant::new(PlantKind::Kinematic, RobotSetup::new(&robot));
-    let settings = Settings::default();
+    let settings = EpisodeSettings::default();
     let placed = Placed::AsDrawn;
     let with_robot = Search { plant: &plant, settings: &settings, worlds: 40, seed: 0, placed };
     let with_robot = with_robot.run(&|| ()).unwrap();
@@ -205,8 +210,8 @@ fn options_that_are_dropped_soon_have_a_cause() {
 fn a_team_starts_in_random_rooms() {
     let robot = cocarry::robot::Robot::built_in().unwrap();
     let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(&robot));
-    let settings = Settings::default();
-    let study = starts::Study { plant: &plant, settings: &settings, worlds: 12, seed: 20 };
+    let settings = EpisodeSettings::default();
+    let study = starts::StartStudy { plant: &plant, settings: &settings, worlds: 12, seed: 20 };
     let starts = study.run(&|| ()).unwrap();
     assert_eq!(starts.refused, []);
     assert!(starts.arrived >= 11, "{:?}", starts.lost);
@@ -217,8 +222,8 @@ fn a_team_starts_in_random_rooms() {
 fn a_refused_start_names_the_room_missing_and_a_start_that_has_it() {
     let robot = cocarry::robot::Robot::built_in().unwrap();
     let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(&robot));
-    let settings = Settings::default();
-    let study = starts::Study { plant: &plant, settings: &settings, worlds: 1, seed: 1199 };
+    let settings = EpisodeSettings::default();
+    let study = starts::StartStudy { plant: &plant, settings: &settings, worlds: 1, seed: 1199 };
     let starts = study.run(&|| ()).unwrap();
     let [refused] = starts.refused.as_slice() else { panic!("{} refused", starts.refused.len()) };
     let (fault, instead) = refused.reason.split_once("; the nearest start with room is (").unwrap();

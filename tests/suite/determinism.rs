@@ -1,7 +1,7 @@
 //! Same inputs and seed, same bytes: in two processes, for any number of threads, from a clone.
 
 use crate::support::{cocarry, json, load, repository};
-use cocarry::episode::{Episode, Settings};
+use cocarry::episode::{Episode, EpisodeSettings};
 use cocarry_studies::paper::EXAMPLE_HUMAN;
 
 #[test]
@@ -34,7 +34,7 @@ fn another_seed_is_another_human() {
 #[test]
 fn a_clone_goes_on_identically() {
     let (_, set) = load(&repository("worlds/environment-2.toml"));
-    let settings = Settings::default();
+    let settings = EpisodeSettings::default();
     let mut one = Episode::new(&set, &settings, EXAMPLE_HUMAN);
     for _ in 0..30 {
         assert_eq!(one.step(), None);

@@ -4,7 +4,7 @@
 use crate::recording::{carrier, example};
 use crate::spoiled_robot::{TOML, URDF, original};
 use crate::support::repository;
-use cocarry::episode::{Settings, prospects};
+use cocarry::episode::{EpisodeSettings, prospects};
 use cocarry::options::OptionSet;
 use cocarry::robot::Robot;
 use cocarry::scenario::{Plant, Scenario};
@@ -87,7 +87,7 @@ fn each_number(text: &str, behind: &str, some: usize, mut read: impl FnMut(&str)
 
 /// An episode in a scenario goes three steps, and every coordinate is a number.
 fn walks(scenario: Scenario) -> Result<(), String> {
-    let settings = Settings { tick_limit: Some(3), ..scenario.settings };
+    let settings = EpisodeSettings { tick_limit: Some(3), ..scenario.settings };
     let prepared = Scenario { settings, ..scenario }.prepare().map_err(|error| error.to_string())?;
     let mut episode = prepared.episode().map_err(|error| error.to_string())?;
     while episode.step().is_none() {

@@ -2,7 +2,7 @@
 
 use crate::support::{cocarry, json, load, repository, stderr};
 use cocarry::control::{self, RobotObstacles};
-use cocarry::episode::{Episode, Manipulator, Outcome, Settings, Summary, Tick};
+use cocarry::episode::{Episode, EpisodeSettings, Manipulator, Outcome, Summary, Tick};
 use cocarry::geometry::{Point, Pose};
 use cocarry::math;
 use cocarry::options::OptionSet;
@@ -15,12 +15,12 @@ use cocarry_studies::paper::EXAMPLE_HUMAN;
 /// Every tick of an episode that the human leads, with the pose of the grasp at its end where there are bodies.
 fn led(
     (world, options): &(World, OptionSet),
-    control: control::Settings,
+    control: control::ControlSettings,
     has_bodies: bool,
 ) -> (Summary, Vec<(Tick, Option<Pose>)>) {
     let robot = Robot::built_in().expect("the built-in robot");
     let obstacles = RobotObstacles::new(world);
-    let settings = Settings { method: Method::HUMAN_LED, ..Settings::default() };
+    let settings = EpisodeSettings { method: Method::HUMAN_LED, ..EpisodeSettings::default() };
     let manipulator =
         Manipulator { robot: &robot, posture: robot.postures[0].joints, control, obstacles: &obstacles };
     let physics = PhysicsSettings::default();
@@ -42,7 +42,7 @@ fn led(
 fn closed_form_tracking_wheels_arm_and_pose_are_c() {
     let world = load(&repository("worlds/environment-3.toml"));
     for has_bodies in [false, true] {
-        let (summary, ticks) = led(&world, control::Settings::default(), has_bodies);
+        let (summary, ticks) = led(&world, control::ControlSettings::default(), has_bodies);
         let control = summary.control.expect("a robot");
         let [mut wheels, mut arm] = [0.0; 2];
         for robot in ticks.iter().filter_map(|(tick, _)| tick.robot) {
@@ -66,7 +66,7 @@ fn closed_form_the_intended_walk_on_a_straight_way() {
     let text = "name = \"free\"\nrobot_width_m = 0.5\nstart_m = [0, 0]\ntarget_m = [8, 0]\n";
     let world = World::parse("free", text).expect("a world");
     let options = OptionSet::new(&world, 10.0).expect("an option");
-    let (summary, ticks) = led(&(world, options), control::Settings::default(), true);
+    let (summary, ticks) = led(&(world, options), control::ControlSettings::default(), true);
     assert_eq!(summary.outcome, Outcome::Arrived);
     let [mut walked, mut speed, mut waits] = [0.0f64; 3];
     for (tick, grasp) in &ticks[..60] {
@@ -91,7 +91,7 @@ fn closed_form_the_intended_walk_on_a_straight_way() {
 #[test]
 fn closed_form_on_the_kinematic_plant_the_intended_walk_is_the_reference() {
     let world = load(&repository("worlds/environment-1.toml"));
-    let (summary, _) = led(&world, control::Settings::default(), false);
+    let (summary, _) = led(&world, control::ControlSettings::default(), false);
     let control = summary.control.expect("a robot");
     assert_eq!(control.intended_tracking.to_bits(), control.tracking.to_bits());
 }
@@ -100,8 +100,8 @@ fn closed_form_on_the_kinematic_plant_the_intended_walk_is_the_reference() {
 #[test]
 fn property_the_guide_decides_how_far_the_base_is_from_its_path() {
     let world = load(&repository("worlds/environment-4.toml"));
-    let default = control::Settings::default();
-    let base = |control: control::Settings| -> Vec<Point> {
+    let default = control::ControlSettings::default();
+    let base = |control: control::ControlSettings| -> Vec<Point> {
         let (_, ticks) = led(&world, control, true);
         ticks.iter().filter_map(|(tick, _)| Some(tick.robot?.configuration.base.position)).collect()
     };
@@ -111,8 +111,8 @@ fn property_the_guide_decides_how_far_the_base_is_from_its_path() {
         pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
     };
     let [dear, cheap, free] =
-        [1000.0, 10.0, 0.0].map(|price| off(control::Settings { guide_price: price, ..default }));
-    let narrow = off(control::Settings { guide_price: 0.0, guide_width: 0.05, ..default });
+        [1000.0, 10.0, 0.0].map(|price| off(control::ControlSettings { guide_price: price, ..default }));
+    let narrow = off(control::ControlSettings { guide_price: 0.0, guide_width: 0.05, ..default });
     assert!(dear < 0.1 && dear < cheap && cheap <= free, "{dear} {cheap} {free}");
     assert!(free > 0.2 && narrow < 0.5 * free, "{narrow} {free}");
 }

@@ -2,7 +2,7 @@
 
 use crate::support::{cocarry, json, load, repository, stderr};
 use cocarry::coordination::Mode;
-use cocarry::episode::{Episode, Settings};
+use cocarry::episode::{Episode, EpisodeSettings};
 use cocarry::learning::{self, Learner};
 use cocarry::options::OptionSet;
 use cocarry::policy::Method;
@@ -15,8 +15,8 @@ const HUMAN: Perception = Perception { alpha: 0.747, gamma: 0.765 };
 
 fn scenario(method: Method) -> Scenario {
     let world = World::load(&repository("worlds/environment-4.toml")).expect("a world");
-    let learning = Some(learning::Settings::default());
-    let settings = Settings { method, learning, ..Settings::default() };
+    let learning = Some(learning::LearningSettings::default());
+    let settings = EpisodeSettings { method, learning, ..EpisodeSettings::default() };
     Scenario { human: HUMAN, settings, ..Scenario::new(world.into(), Plant::Point) }
 }
 
@@ -81,17 +81,17 @@ fn the_human_takes_over_as_with_the_prior_and_the_robot_learns_eta() {
 #[test]
 fn settings_of_learning_out_of_their_range_are_refused_before_the_first_step() {
     let (_, options) = load(&repository("worlds/environment-4.toml"));
-    let begun = |learning: learning::Settings| {
-        let settings = Settings { learning: Some(learning), ..Settings::default() };
+    let begun = |learning: learning::LearningSettings| {
+        let settings = EpisodeSettings { learning: Some(learning), ..EpisodeSettings::default() };
         let begun = Episode::builder(&options, &settings, HUMAN).begin().map(|episode| {
             assert!(episode.learner().is_some());
         });
         begun.map_err(|error| error.to_string())
     };
-    assert_eq!(begun(learning::Settings::default()), Ok(()));
-    let change_rate = begun(learning::Settings { change_rate: 0.0, ..Default::default() });
+    assert_eq!(begun(learning::LearningSettings::default()), Ok(()));
+    let change_rate = begun(learning::LearningSettings { change_rate: 0.0, ..Default::default() });
     assert_eq!(change_rate, Err("change_rate = 0: it must be at least 0.0001 and at most 0.5".to_owned()));
-    let look_steps = begun(learning::Settings { look_steps: 0, ..Default::default() });
+    let look_steps = begun(learning::LearningSettings { look_steps: 0, ..Default::default() });
     assert_eq!(look_steps, Err("look_steps = 0: it must be at least 1".to_owned()));
 }
 
@@ -128,7 +128,7 @@ fn the_belief_is_calibrated_and_a_wrong_likelihood_is_not() {
     let found = checks(&right.run(&sets, &|| {}).expect("settings"));
     assert!(found.iter().all(|check| check.is_calibrated), "{found:#?}");
     // the robot trusts sightings and times that say nothing in three of ten cases
-    let lapses = |lapse_rate| learning::Settings { lapse_rate, ..right.truth };
+    let lapses = |lapse_rate| learning::LearningSettings { lapse_rate, ..right.truth };
     let wrong = Calibration { truth: lapses(0.3), assumed: lapses(0.001), ..right.clone() };
     let found = checks(&wrong.run(&sets, &|| {}).expect("settings"));
     assert!(found.iter().any(|check| !check.is_calibrated), "{found:#?}");

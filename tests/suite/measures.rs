@@ -4,7 +4,7 @@ use crate::quantity_values::WORLD;
 use crate::support::{load, repository};
 use cocarry::control::{self, RobotObstacles};
 use cocarry::coordination::Mode;
-use cocarry::episode::{Episode, Manipulator, Outcome, Settings};
+use cocarry::episode::{Episode, EpisodeSettings, Manipulator, Outcome};
 use cocarry::geometry::rotation_vector;
 use cocarry::quantities::{EPISODE, View};
 use cocarry::robot::Robot;
@@ -26,10 +26,14 @@ fn property_brute_force_of_how_forces_and_work_are_shared() {
     let robot = Robot::built_in().expect("the built-in robot");
     let (world, options) = load(&repository("worlds/environment-3.toml"));
     let (obstacles, settings, physics) =
-        (RobotObstacles::new(&world), Settings::default(), PhysicsSettings::default());
+        (RobotObstacles::new(&world), EpisodeSettings::default(), PhysicsSettings::default());
     let posture = robot.postures[0].joints;
-    let manipulator =
-        Manipulator { robot: &robot, posture, control: control::Settings::default(), obstacles: &obstacles };
+    let manipulator = Manipulator {
+        robot: &robot,
+        posture,
+        control: control::ControlSettings::default(),
+        obstacles: &obstacles,
+    };
     let steps: Arc<Mutex<Vec<PhysicsStep>>> = Arc::default();
     let seen = Arc::clone(&steps);
     let builder = Episode::builder(&options, &settings, EXAMPLE_HUMAN);

@@ -6,7 +6,7 @@
 use crate::hostile_meshes::{DAE, with_mesh};
 use crate::recording::{encoded, example, rapier, unpacked};
 use crate::spoiled_robot::TOML;
-use cocarry::episode::Settings;
+use cocarry::episode::EpisodeSettings;
 use cocarry::geometry::Point;
 use cocarry::human::{HumanDecision, Stance};
 use cocarry::options::OptionSet;
@@ -277,7 +277,7 @@ fn recordings_that_are_damaged_are_read_or_refused() {
     // what is run again is short: the reference recordings take a second each
     let short = |plant: Plant, limit: u64| {
         let scenario = example(plant);
-        let settings = Settings { tick_limit: Some(limit), ..scenario.settings };
+        let settings = EpisodeSettings { tick_limit: Some(limit), ..scenario.settings };
         encoded(Scenario { settings, ..scenario }, |_| {}).0
     };
     let shorts = [
@@ -326,7 +326,7 @@ fn texts_that_are_damaged_are_read_or_refused() {
     let path = |name: &str| folder.path().join(name);
     let of = |name: &str| std::fs::read(crate::support::repository(name)).unwrap();
     std::fs::write(path("carrier.urdf"), of("assets/robots/carrier.urdf")).unwrap();
-    let settings = Settings { tick_limit: Some(3), ..Settings::default() };
+    let settings = EpisodeSettings { tick_limit: Some(3), ..EpisodeSettings::default() };
     let scenario = Scenario { settings, ..example(Plant::Point) };
     let seeds = [
         ("world", of("worlds/environment-4.toml")),

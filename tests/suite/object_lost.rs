@@ -2,7 +2,9 @@
 
 use crate::support::{cocarry, repository, stderr};
 use cocarry::control;
-use cocarry::episode::{Episode, EpisodeBuilder, LOSS_DISTANCE_M, Manipulator, Outcome, Settings, Summary};
+use cocarry::episode::{
+    Episode, EpisodeBuilder, EpisodeSettings, LOSS_DISTANCE_M, Manipulator, Outcome, Summary,
+};
 use cocarry::geometry::{Point, direction};
 use cocarry::human::{Human, HumanDecision, HumanView, Stance};
 use cocarry::math;
@@ -91,7 +93,7 @@ impl Human for Stubborn {
 /// the peak force of its last step, N.
 fn carried(
     environment: usize,
-    settings: &Settings,
+    settings: &EpisodeSettings,
     team: impl for<'a> FnOnce(EpisodeBuilder<'a>) -> EpisodeBuilder<'a>,
 ) -> (Summary, f64) {
     let world = paper::ENVIRONMENTS[environment].world().expect("a built-in world");
@@ -101,7 +103,7 @@ fn carried(
     let manipulator = Manipulator {
         robot: &robot,
         posture: robot.postures[0].joints,
-        control: control::Settings::default(),
+        control: control::ControlSettings::default(),
         obstacles: &obstacles,
     };
     let episode = Episode::builder(&options, settings, paper::EXAMPLE_HUMAN);
@@ -116,7 +118,7 @@ fn carried(
 #[test]
 fn a_robot_that_backs_away_from_a_human_who_resists_loses_the_object() {
     let (summary, peak_force) =
-        carried(0, &Settings::default(), |team| team.with_policy(BackAway).with_human(Stubborn));
+        carried(0, &EpisodeSettings::default(), |team| team.with_policy(BackAway).with_human(Stubborn));
     assert_eq!(summary.outcome, Outcome::ObjectLost);
     let loss = summary.loss.expect("a loss");
     assert_eq!(loss.by, BodyKind::Human);
@@ -146,7 +148,8 @@ impl Human for Steering {
 /// The distance to the planned path is a figure, not a loss: both grips hold the object.
 #[test]
 fn a_hand_that_leaves_the_planned_path_loses_nothing() {
-    let settings = Settings { method: Method::HUMAN_LED, tick_limit: Some(60), ..Settings::default() };
+    let settings =
+        EpisodeSettings { method: Method::HUMAN_LED, tick_limit: Some(60), ..EpisodeSettings::default() };
     let (summary, _) = carried(3, &settings, |team| team.with_human(Steering::default()));
     let (control, interaction) = (summary.control.expect("a robot"), summary.interaction.expect("bodies"));
     assert_eq!((summary.outcome, summary.loss), (Outcome::OutOfTime, None));

@@ -1,7 +1,7 @@
 //! The two clocks: what a person does counts in planning steps, whatever the controller's rate.
 
 use crate::support::{cocarry, stderr};
-use cocarry::episode::{Episode, HumanObserver, Outcome, Settings};
+use cocarry::episode::{Episode, EpisodeSettings, HumanObserver, Outcome};
 use cocarry::geometry::{Point, Vector};
 use cocarry::human::{HandView, Human, HumanDecision, HumanView, Stance};
 use cocarry::learning;
@@ -16,7 +16,7 @@ const CONTROL_PERIODS_S: [f64; 4] = [0.2, 0.1, 0.05, 0.02];
 fn prepared(kind: PlantKind, control_period: f64) -> PreparedScenario {
     let world = paper::ENVIRONMENTS[3].world().expect("a world");
     let plant = Plant::new(kind, RobotSetup::new(&Robot::built_in().expect("the robot")));
-    let settings = Settings { control_period: Some(control_period), ..Settings::default() };
+    let settings = EpisodeSettings { control_period: Some(control_period), ..EpisodeSettings::default() };
     let scenario = Scenario { human: paper::EXAMPLE_HUMAN, settings, ..Scenario::new(world.into(), plant) };
     scenario.prepare().unwrap_or_else(|e| panic!("{e}"))
 }
@@ -61,7 +61,7 @@ fn issue_the_same_press_another_eta() {
         let prepared = prepared(PlantKind::Point, period);
         let builder = prepared.builder().unwrap_or_else(|e| panic!("{e}"));
         let mut episode = builder.with_human(Pressing).begin().expect("a point has room");
-        let mut observer = HumanObserver::new(learning::Settings::default(), 0.1).expect("settings");
+        let mut observer = HumanObserver::new(learning::LearningSettings::default(), 0.1).expect("settings");
         while episode.step().is_none() {
             observer.observe(&episode);
         }
@@ -176,7 +176,7 @@ fn the_planning_step_is_the_time_in_which_a_person_counts() {
     let world = paper::ENVIRONMENTS[3].world().expect("a world");
     let options = cocarry::options::OptionSet::new(&world, 10.0).expect("options");
     let times = [0.2, 0.1].map(|planning_step| {
-        let settings = Settings { planning_step, ..Settings::default() };
+        let settings = EpisodeSettings { planning_step, ..EpisodeSettings::default() };
         let mut episode = Episode::new(&options, &settings, paper::EXAMPLE_HUMAN);
         while episode.step().is_none() {}
         episode.summary().transition.expect("a transition").step as f64 * planning_step

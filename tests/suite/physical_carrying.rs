@@ -3,7 +3,7 @@
 use crate::support::{cocarry, json, load, repository, stderr, stdout};
 use cocarry::control::{self, RobotObstacles};
 use cocarry::coordination::Mode;
-use cocarry::episode::{Episode, Manipulator, Outcome, Settings, Summary, Tick};
+use cocarry::episode::{Episode, EpisodeSettings, Manipulator, Outcome, Summary, Tick};
 use cocarry::math;
 use cocarry::policy::Method;
 use cocarry::robot::Robot;
@@ -19,9 +19,9 @@ fn carry(world: &str, method: Method, physics: Option<PhysicsSettings>) -> (Summ
     let robot = Robot::built_in().expect("the built-in robot");
     let (world, options) = load(&repository(world));
     let obstacles = RobotObstacles::new(&world);
-    let settings = Settings { method, ..Settings::default() };
+    let settings = EpisodeSettings { method, ..EpisodeSettings::default() };
     let posture = robot.postures[0].joints;
-    let control = control::Settings::default();
+    let control = control::ControlSettings::default();
     let manipulator = Manipulator { robot: &robot, posture, control, obstacles: &obstacles };
     let builder = Episode::builder(&options, &settings, EXAMPLE_HUMAN);
     let builder = match &physics {
@@ -245,8 +245,8 @@ fn forces_do_not_chatter_while_walking() {
     let robot = Robot::built_in().expect("the built-in robot");
     let (world, options) = load(&repository("worlds/environment-4.toml"));
     let obstacles = RobotObstacles::new(&world);
-    let settings = Settings { method: Method::WITHOUT_MODEL, ..Settings::default() };
-    let (posture, control) = (robot.postures[0].joints, control::Settings::default());
+    let settings = EpisodeSettings { method: Method::WITHOUT_MODEL, ..EpisodeSettings::default() };
+    let (posture, control) = (robot.postures[0].joints, control::ControlSettings::default());
     let manipulator = Manipulator { robot: &robot, posture, control, obstacles: &obstacles };
     let mut episode = Episode::builder(&options, &settings, EXAMPLE_HUMAN)
         .with_physics(manipulator, &world, &PhysicsSettings::default(), 1)

@@ -4,7 +4,7 @@
 use crate::support::repository;
 use cocarry::Error;
 use cocarry::control;
-use cocarry::episode::{Episode, PreferenceChange, Settings};
+use cocarry::episode::{Episode, EpisodeSettings, PreferenceChange};
 use cocarry::policy::Method;
 use cocarry::preference::{Belief, Marginal, Perception, Predictor, WeightedSample};
 use cocarry::robot::Robot;
@@ -16,7 +16,7 @@ use proptest::prelude::*;
 fn carrier() -> RobotSetup {
     let robot = Robot::built_in().unwrap_or_else(|e| panic!("{e}"));
     let posture = robot.postures[1].name.clone();
-    RobotSetup { posture, control: control::Settings::default(), robot: robot.into() }
+    RobotSetup { posture, control: control::ControlSettings::default(), robot: robot.into() }
 }
 
 /// A scenario in one of the worlds, its human and belief with numbers that have no short decimal form.
@@ -35,7 +35,7 @@ fn scenario(plant: Plant) -> Scenario {
         human: Perception { alpha: 2.241 / 3.0, gamma: 0.765 },
         changes: Vec::new(),
         human_model: Default::default(),
-        settings: Settings { predictor, tick_limit: Some(1000), ..Settings::default() },
+        settings: EpisodeSettings { predictor, tick_limit: Some(1000), ..EpisodeSettings::default() },
         plant,
     }
 }
@@ -144,7 +144,7 @@ fn samples_keep_their_weights_to_the_last_bit() {
         let samples = weights[..n].iter().enumerate().map(sample).collect();
         let belief = Belief::samples(samples).unwrap_or_else(|e| panic!("{e}"));
         let predictor = Predictor::new(belief, 10.0).unwrap_or_else(|e| panic!("{e}"));
-        let settings = Settings { predictor, method: Method::HUMAN_LED, ..Settings::default() };
+        let settings = EpisodeSettings { predictor, method: Method::HUMAN_LED, ..EpisodeSettings::default() };
         let scenario = Scenario { settings, ..scenario(Plant::Point) };
         let text = scenario.text().unwrap_or_else(|e| panic!("{e}"));
         assert!(parsed(&text) == scenario, "{text}");

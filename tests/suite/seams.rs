@@ -3,7 +3,7 @@
 use crate::support::{cocarry, json, stderr, stdout};
 use cocarry::control;
 use cocarry::coordination::Mode;
-use cocarry::episode::{Episode, EpisodeBuilder, Outcome, Settings};
+use cocarry::episode::{Episode, EpisodeBuilder, EpisodeSettings, Outcome};
 use cocarry::geometry::{PlanarPose, Point};
 use cocarry::human::{Human, HumanDecision, HumanView, ModelName, Participant, Stance};
 use cocarry::math;
@@ -42,7 +42,7 @@ impl RobotPolicy for OwnPolicy {
 fn setup() -> RobotSetup {
     let robot = Robot::built_in().unwrap_or_else(|e| panic!("{e}"));
     let posture = robot.postures[0].name.clone();
-    RobotSetup { posture, control: control::Settings::default(), robot: robot.into() }
+    RobotSetup { posture, control: control::ControlSettings::default(), robot: robot.into() }
 }
 
 fn prepared(plant: scenario::Plant, model: &str) -> PreparedScenario {
@@ -52,7 +52,7 @@ fn prepared(plant: scenario::Plant, model: &str) -> PreparedScenario {
         human: paper::EXAMPLE_HUMAN,
         human_model: model.parse().unwrap_or_else(|e| panic!("{e}")),
         changes: Vec::new(),
-        settings: Settings::default(),
+        settings: EpisodeSettings::default(),
         plant,
     };
     scenario.prepare().unwrap_or_else(|e| panic!("{e}"))
@@ -196,7 +196,7 @@ impl Human for Reluctant {
 #[test]
 fn a_human_of_ones_own_resists_and_takes_over() {
     let world = paper::ENVIRONMENTS[3].world().unwrap_or_else(|e| panic!("{e}"));
-    let settings = Settings::default();
+    let settings = EpisodeSettings::default();
     let options = OptionSet::new(&world, 10.0).unwrap_or_else(|e| panic!("{e}"));
     let builder = Episode::builder(&options, &settings, paper::EXAMPLE_HUMAN);
     let mut episode = builder.with_human(Reluctant).begin().expect("a point has room");
@@ -262,7 +262,7 @@ impl Plant for Slow {
 #[test]
 fn a_plant_of_ones_own_moves_the_team() {
     let world = paper::ENVIRONMENTS[3].world().unwrap_or_else(|e| panic!("{e}"));
-    let settings = Settings::default();
+    let settings = EpisodeSettings::default();
     let options = OptionSet::new(&world, 10.0).unwrap_or_else(|e| panic!("{e}"));
     let builder = || Episode::builder(&options, &settings, paper::EXAMPLE_HUMAN);
     let steps = |builder: EpisodeBuilder| {
@@ -289,7 +289,7 @@ fn closed_form_boltzmann_choices_have_boltzmann_frequencies() {
         let participant = Participant {
             perception,
             changes: &[],
-            stubbornness: Settings::default().coordination,
+            stubbornness: EpisodeSettings::default().coordination,
             seed,
             options: &options,
         };
@@ -297,7 +297,7 @@ fn closed_form_boltzmann_choices_have_boltzmann_frequencies() {
         let view = HumanView {
             step: 0,
             time: 0.0,
-            planning_step: Settings::default().planning_step,
+            planning_step: EpisodeSettings::default().planning_step,
             position: options.begin().position,
             options: &options,
             progress: &options.begin(),

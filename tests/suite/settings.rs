@@ -3,7 +3,9 @@
 
 use crate::support::{cocarry, stderr};
 use cocarry::robot::Robot;
-use cocarry::scenario::{Kind, Plant, PlantKind, RobotSetup, SETTINGS, Scenario, Setting, Snapshot, Value};
+use cocarry::scenario::{
+    Plant, PlantKind, RobotSetup, SETTINGS, Scenario, Setting, SettingKind, Snapshot, Value,
+};
 use cocarry::world::World;
 use cocarry_studies::study::Study;
 use std::path::Path;
@@ -85,10 +87,10 @@ fn property_what_a_setting_does_not_take_is_refused_in_the_same_words_everywhere
     let mut looked_at = 0;
     for setting in SETTINGS {
         let bad = match setting.kind {
-            Kind::Number(..) => Value::Number(2_000_000.5),
-            Kind::Count(..) => Value::Count(2_000_000_000),
-            Kind::Word(..) | Kind::Text(..) => Value::Text("nonsense".to_owned()),
-            Kind::Flag(_) => continue,
+            SettingKind::Number(..) => Value::Number(2_000_000.5),
+            SettingKind::Count(..) => Value::Count(2_000_000_000),
+            SettingKind::Word(..) | SettingKind::Text(..) => Value::Text("nonsense".to_owned()),
+            SettingKind::Flag(_) => continue,
         };
         if setting.accepts(&bad) {
             assert_eq!(setting.key, "posture", "only the robot knows its postures");

@@ -2,8 +2,8 @@
 //! option's.
 
 use crate::support::{cocarry, load, repository, stderr};
-use cocarry::coordination::{Mode, Settings as Coordination};
-use cocarry::episode::{Episode, Settings};
+use cocarry::coordination::{Mode, StubbornnessSettings};
+use cocarry::episode::{Episode, EpisodeSettings};
 use cocarry::geometry::Path;
 use cocarry::options::{OptionSet, Progress};
 use cocarry::policy::Method;
@@ -24,7 +24,7 @@ fn length_apart(a: &Path, b: &Path) -> f64 {
 /// Walks an episode. At every step, options whose path from here is the executed option's are aligned with it
 /// and equal to it to the bit, and P_o is not theirs but the executed option's. Returns how many steps had
 /// such options, and whether any P_o but the executed one's was 1.
-fn check(set: &OptionSet, settings: &Settings, human: Perception, context: &str) -> (u32, u32) {
+fn check(set: &OptionSet, settings: &EpisodeSettings, human: Perception, context: &str) -> (u32, u32) {
     let mut episode = Episode::new(set, settings, human);
     let mut progress: Progress = set.begin();
     let (mut shared, mut certain_of_another) = (0, 0);
@@ -56,9 +56,9 @@ fn check(set: &OptionSet, settings: &Settings, human: Perception, context: &str)
     (shared, certain_of_another)
 }
 
-fn settings(eta: f64, method: Method) -> Settings {
-    let coordination = Coordination { eta, ..Coordination::default() };
-    Settings { coordination, method, predict_while_human_leads: true, ..Settings::default() }
+fn settings(eta: f64, method: Method) -> EpisodeSettings {
+    let coordination = StubbornnessSettings { eta, ..StubbornnessSettings::default() };
+    EpisodeSettings { coordination, method, predict_while_human_leads: true, ..EpisodeSettings::default() }
 }
 
 #[test]

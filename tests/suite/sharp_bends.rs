@@ -1,6 +1,6 @@
 //! Teams with bodies in random walled worlds: round sharp bends nobody touches anything, and the grips hold.
 
-use cocarry::episode::Settings;
+use cocarry::episode::EpisodeSettings;
 use cocarry::robot::Robot;
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 use cocarry_studies::paper::cycles::Search;
@@ -21,7 +21,7 @@ fn teams_go_round_sharp_bends_without_contact_and_keep_hold_of_the_object() {
     for seed in SEEDS {
         let search = Search {
             plant: &plant,
-            settings: &Settings::default(),
+            settings: &EpisodeSettings::default(),
             worlds: 1,
             seed,
             placed: Placed::AsDrawn,
@@ -38,7 +38,8 @@ fn teams_arrive_wherever_a_world_lies() {
     let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(&robot));
     for (name, placed) in Placed::ALL {
         for seed in [14, 238] {
-            let search = Search { plant: &plant, settings: &Settings::default(), worlds: 1, seed, placed };
+            let search =
+                Search { plant: &plant, settings: &EpisodeSettings::default(), worlds: 1, seed, placed };
             let found = search.run(&|| {}).expect("a world with room");
             assert_eq!(found.arrived, 1, "world {seed}, {name}: {:?}", found.lost[0].outcome);
         }
@@ -53,7 +54,7 @@ fn a_search_ends_where_no_target_is_far_from_a_start() {
     let plant = Plant::new(PlantKind::Kinematic, RobotSetup::new(&robot));
     let search = Search {
         plant: &plant,
-        settings: &Settings::default(),
+        settings: &EpisodeSettings::default(),
         worlds: 1,
         seed: 10_224,
         placed: Placed::AsDrawn,

@@ -4,7 +4,7 @@
 use crate::support::{cocarry, stderr, stdout};
 use cocarry::control;
 use cocarry::coordination;
-use cocarry::episode::{Episode, PreferenceChange, Settings};
+use cocarry::episode::{Episode, EpisodeSettings, PreferenceChange};
 use cocarry::policy::Method;
 use cocarry::preference::Perception;
 use cocarry::robot::Robot;
@@ -15,8 +15,9 @@ use std::path::Path;
 
 fn scenario(plant: Plant, method: Method) -> Scenario {
     let world = paper::ENVIRONMENTS[3].world().unwrap_or_else(|e| panic!("{e}"));
-    let coordination = coordination::Settings { eta: 5.0, ..coordination::Settings::default() };
-    let settings = Settings { method, coordination, ..Settings::default() };
+    let coordination =
+        coordination::StubbornnessSettings { eta: 5.0, ..coordination::StubbornnessSettings::default() };
+    let settings = EpisodeSettings { method, coordination, ..EpisodeSettings::default() };
     Scenario {
         seed: 5,
         world: world.into(),
@@ -31,7 +32,7 @@ fn scenario(plant: Plant, method: Method) -> Scenario {
 fn plants() -> [Plant; 3] {
     let robot = Robot::built_in().unwrap_or_else(|e| panic!("{e}"));
     let posture = robot.postures[0].name.clone();
-    let carrier = RobotSetup { posture, control: control::Settings::default(), robot: robot.into() };
+    let carrier = RobotSetup { posture, control: control::ControlSettings::default(), robot: robot.into() };
     let physics = PhysicsSettings::default();
     assert!(physics.human.sway_lateral > 0.0, "the gait's generator matters");
     [Plant::Point, Plant::Kinematic { setup: carrier.clone() }, Plant::Rapier { setup: carrier, physics }]
@@ -83,7 +84,7 @@ fn assert_resumes(of_whole: &PreparedScenario, whole: &[String], cuts: &[u64]) {
 #[test]
 fn a_step_that_has_begun_goes_on_with_the_same_bits() {
     let learning = |scenario: Scenario| Scenario {
-        settings: Settings { learning: Some(Default::default()), ..scenario.settings },
+        settings: EpisodeSettings { learning: Some(Default::default()), ..scenario.settings },
         ..scenario
     };
     let plain = plants().map(|plant| scenario(plant, Method::MUTUAL));
@@ -220,8 +221,9 @@ fn a_human_cut_around_a_change_of_mind_is_the_one_never_cut() {
 #[test]
 fn a_team_cut_while_it_reverses_is_the_one_never_cut() {
     let [_, _, plant] = plants();
-    let coordination = coordination::Settings { eta: 15.0, ..coordination::Settings::default() };
-    let settings = Settings { coordination, ..Settings::default() };
+    let coordination =
+        coordination::StubbornnessSettings { eta: 15.0, ..coordination::StubbornnessSettings::default() };
+    let settings = EpisodeSettings { coordination, ..EpisodeSettings::default() };
     let human = Perception { alpha: 0.7572, gamma: 0.9508 };
     let whole = prepared(Scenario { settings, human, ..scenario(plant, Method::MUTUAL) });
     let mut episode = whole.episode().unwrap_or_else(|e| panic!("{e}"));

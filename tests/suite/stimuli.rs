@@ -1,7 +1,7 @@
 //! What participants of a study see: maps without figures, and a robot that leads on each option.
 
 use crate::support::{cocarry, repository, stderr, stdout};
-use cocarry::episode::{Outcome, Settings};
+use cocarry::episode::{EpisodeSettings, Outcome};
 use cocarry::policy::Method;
 use cocarry::preference::Belief;
 use cocarry::scenario::{GivenPerception, Plant, Scenario};
@@ -13,7 +13,7 @@ use std::path::Path;
 /// The episode of a robot that leads on the option of that number, as a point.
 fn led(world: &str, method: Method, number: u64) -> Scenario {
     let world = World::load(&repository(&format!("worlds/{world}.toml"))).expect("a world");
-    let settings = Settings { method, lead_option: Some(number), ..Settings::default() };
+    let settings = EpisodeSettings { method, lead_option: Some(number), ..EpisodeSettings::default() };
     Scenario::of_seed(3, world.into(), Plant::Point, settings, &Belief::default(), GivenPerception::default())
 }
 

@@ -4,7 +4,7 @@ use crate::order::orders;
 use crate::simulate::{Answers, Truth, answers};
 use crate::site::{Sink, Site};
 use crate::store::{Store, StoreError};
-use crate::study::Study;
+use crate::study::PeopleStudy;
 use cocarry::Error;
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
@@ -29,7 +29,7 @@ impl Browsers {
     ///
     /// # Errors
     /// As [`Site::new`].
-    pub fn site(&self, study: &Study, module: Option<Cow<'static, [u8]>>) -> Result<Site, Error> {
+    pub fn site(&self, study: &PeopleStudy, module: Option<Cow<'static, [u8]>>) -> Result<Site, Error> {
         let orders = orders(study);
         let person = |i| {
             let next = Some(i + self.at_once).filter(|next| *next < self.participants);
@@ -54,7 +54,7 @@ impl Browsers {
     ///
     /// # Errors
     /// The store cannot be read.
-    pub fn truths(&self, study: &Study, store: &Store) -> Result<Vec<Truth>, StoreError> {
+    pub fn truths(&self, study: &PeopleStudy, store: &Store) -> Result<Vec<Truth>, StoreError> {
         let mut truths = Vec::new();
         for person in 0..self.participants {
             let Answers { perception, eta, .. } = answers(study, &[], self.seed, person);

@@ -1,8 +1,8 @@
 //! The episodes in which participants carry: their scenarios, and the logs that the page makes of them.
 
-use crate::study::{Study, StudyWorld};
+use crate::study::{PeopleStudy, StudyWorld};
 use cocarry::Error;
-use cocarry::episode::Settings;
+use cocarry::episode::EpisodeSettings;
 use cocarry::geometry::Footprint;
 use cocarry::policy::Method;
 use cocarry::preference::Belief;
@@ -21,7 +21,8 @@ const CORNERS: u32 = 24;
 /// # Errors
 /// The scenario cannot be written as text.
 pub fn carry_scenario(world: &StudyWorld, method: Method) -> Result<Scenario, Error> {
-    let settings = Settings { method, control_period: Some(CONTROL_PERIOD_S), ..Settings::default() };
+    let settings =
+        EpisodeSettings { method, control_period: Some(CONTROL_PERIOD_S), ..EpisodeSettings::default() };
     let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(&Robot::built_in()?));
     let given = GivenPerception::default();
     Ok(Scenario::of_seed(0, world.world.clone().into(), plant, settings, &Belief::default(), given))
@@ -33,7 +34,7 @@ pub(crate) fn scenario_file(world: usize, method: Method) -> String {
 }
 
 /// The texts of all scenarios, with their files.
-pub(crate) fn scenarios(study: &Study) -> Result<Vec<(String, String)>, Error> {
+pub(crate) fn scenarios(study: &PeopleStudy) -> Result<Vec<(String, String)>, Error> {
     let all = study
         .worlds
         .iter()

@@ -6,7 +6,7 @@ use crate::html::{STYLE, escaped, page, paragraphs, table};
 use crate::order::orders;
 use crate::site::{Sink, Site};
 use crate::store::{MAX_CHUNK_BYTES, MAX_SESSION_BYTES};
-use crate::study::{ScaleKind, Study, Task};
+use crate::study::{PeopleStudy, ScaleKind, Task};
 use crate::walk::Shots;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -18,7 +18,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// The scenario of a carry cannot be written.
-pub fn ethics_page(study: &Study) -> Result<String, Error> {
+pub fn ethics_page(study: &PeopleStudy) -> Result<String, Error> {
     let digest = Site::new(study, Sink::Server, None)?.digest;
     let parts = [
         format!("<h1>{}</h1>\n", escaped(&study.title)),
@@ -55,7 +55,7 @@ fn name(file: &Path) -> String {
     escaped(&file.file_name().unwrap_or_default().to_string_lossy())
 }
 
-fn about(study: &Study, digest: &str) -> String {
+fn about(study: &PeopleStudy, digest: &str) -> String {
     format!(
         "<p class=\"quiet\">Written by cocarry {} from <code>{}</code>. Version of what participants see: <code>{}</code>. \
          It describes the study as <code>cocarry study serve</code> runs it; on the host of others their rules hold too.</p>\n",
@@ -65,7 +65,7 @@ fn about(study: &Study, digest: &str) -> String {
     )
 }
 
-fn consent(study: &Study) -> String {
+fn consent(study: &PeopleStudy) -> String {
     let [version, text] = &study.consent;
     format!(
         "<p>Version {}. Everybody reads this first, and nothing is asked before the box “I have read this and take part of my own \
@@ -75,7 +75,7 @@ fn consent(study: &Study) -> String {
     )
 }
 
-fn course(study: &Study) -> String {
+fn course(study: &PeopleStudy) -> String {
     let orders = orders(study);
     let order = match (study.has_latin_square, orders.len()) {
         (true, 2..) => format!(
@@ -96,7 +96,7 @@ fn course(study: &Study) -> String {
     )
 }
 
-fn tasks(study: &Study) -> String {
+fn tasks(study: &PeopleStudy) -> String {
     let mut html = String::new();
     for (task, text) in study.tasks.iter().zip(&study.instructions) {
         let does = match task {
@@ -131,7 +131,7 @@ fn tasks(study: &Study) -> String {
     html
 }
 
-fn questions(study: &Study) -> String {
+fn questions(study: &PeopleStudy) -> String {
     if study.questions.is_empty() {
         return String::new();
     }
@@ -147,7 +147,7 @@ fn questions(study: &Study) -> String {
     table("Questions that show whether somebody reads", &["question", "answers", "right", "attempts"], &rows)
 }
 
-fn scales(study: &Study) -> String {
+fn scales(study: &PeopleStudy) -> String {
     let mut rows = Vec::new();
     for scale in &study.scales {
         let range = match scale.kind {
@@ -165,7 +165,7 @@ fn scales(study: &Study) -> String {
     }
 }
 
-fn end(study: &Study) -> String {
+fn end(study: &PeopleStudy) -> String {
     let code = match &study.end.code {
         Some(_) => "the same completion code for everybody",
         None => "a completion code of their own",
@@ -181,7 +181,7 @@ fn end(study: &Study) -> String {
     )
 }
 
-fn stored(study: &Study) -> String {
+fn stored(study: &PeopleStudy) -> String {
     let database = study.database();
     let database = database.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let row = |what: &str, place: &str, why: &str| [what, place, why].map(str::to_owned).to_vec();
@@ -248,7 +248,7 @@ fn not_stored() -> String {
         .to_owned()
 }
 
-fn kept(study: &Study) -> String {
+fn kept(study: &PeopleStudy) -> String {
     let database = name(&study.database());
     format!(
         "<p>Nothing is deleted by itself: it is stored until it is removed, as below, or until those who run the study delete \
@@ -260,7 +260,7 @@ fn kept(study: &Study) -> String {
     )
 }
 
-fn removed(study: &Study) -> String {
+fn removed(study: &PeopleStudy) -> String {
     let file = name(&study.file);
     format!(
         "<p>The last page shows a participant their number. Whoever wants their answers removed gives this number, or their identity at \
@@ -280,7 +280,7 @@ fn exclusions() -> String {
         + &table("Flags", &["flag", "meaning"], &rows)
 }
 
-fn risks(study: &Study) -> String {
+fn risks(study: &PeopleStudy) -> String {
     let carry = match study.has_carry() {
         true => " In the task “carry” robot and object are simulated: the hand is a pointer in a picture.",
         false => "",

@@ -2,7 +2,7 @@
 
 use crate::digest::sha256;
 use crate::store::{Begin, Chunk, Session, Store, StoreError, whole_digest};
-use crate::study::{MAX_PARTICIPANTS, Study};
+use crate::study::{MAX_PARTICIPANTS, PeopleStudy};
 use cocarry::bounds;
 use cocarry::error::{Error, Place};
 use cocarry::located;
@@ -40,7 +40,7 @@ pub struct Added {
 /// # Errors
 /// The file is not one of the page, or of another study; the store refuses it.
 pub fn add_file(
-    study: &Study,
+    study: &PeopleStudy,
     digest: &str,
     store: &mut Store,
     path: &Path,
@@ -114,7 +114,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("study.toml");
         std::fs::write(&file, TEMPLATE).unwrap();
-        let study = Study::read(&file).unwrap();
+        let study = PeopleStudy::read(&file).unwrap();
         let digest = sha256(b"a study");
         let key = |name: &str| sha256(name.as_bytes());
         let body = |n: u32| format!(r#"[{{"kind":"done","n":{n}}}]"#);

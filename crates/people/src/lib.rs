@@ -2,7 +2,7 @@
 //! answer, and the tables that `cocarry fit` and `cocarry infer` read.
 //!
 //! ```text
-//! study file -> Study -> Site -> page -> chunks -> Store -> Collected -> answers.csv, switches.csv, ...
+//! study file -> PeopleStudy -> Site -> page -> chunks -> Store -> Collected -> answers.csv, switches.csv, ...
 //! tables -> StudyTables -> report; simulated people -> power
 //! ```
 //!
@@ -41,4 +41,4 @@ pub use server::{Admin, Serving, serve, token};
 pub use simulate::{Truth, simulate};
 pub use site::{Sink, Site, SiteFile};
 pub use store::{Begin, Chunk, Forgotten, Put, Refusal, Session, Store, StoreError, StoredSession};
-pub use study::{End, MAX_PARTICIPANTS, Question, Scale, ScaleKind, Study, StudyWorld, TEMPLATE, Task};
+pub use study::{End, MAX_PARTICIPANTS, PeopleStudy, Question, Scale, ScaleKind, StudyWorld, TEMPLATE, Task};

@@ -1,6 +1,6 @@
 //! The order in which participants see the worlds: a Latin square by index, balanced for what follows what.
 
-use crate::study::{Study, Task};
+use crate::study::{PeopleStudy, Task};
 use serde::Serialize;
 
 /// A page that a participant sees. Numbers count from 0, in the order of the study.
@@ -55,7 +55,7 @@ pub enum Trial {
 
 impl Trial {
     /// What it asks, in words for tables: the task, then where.
-    pub(crate) fn words(&self, study: &Study) -> String {
+    pub(crate) fn words(&self, study: &PeopleStudy) -> String {
         let world = |world: usize| &study.worlds[world].name;
         let practice = |is_practice: bool| if is_practice { ", practice" } else { "" };
         match *self {
@@ -94,14 +94,14 @@ fn latin_square(count: usize) -> Vec<Vec<usize>> {
 
 /// The pages of participants, one list for each row of the Latin square: participant i sees row i modulo their
 /// number. The options of a world, and the robot's methods in it, begin with another one in each row.
-pub fn orders(study: &Study) -> Vec<Vec<Trial>> {
+pub fn orders(study: &PeopleStudy) -> Vec<Vec<Trial>> {
     // the practice world is the last one
     let count = study.measured_worlds();
     let rows = if study.has_latin_square { latin_square(count) } else { vec![(0..count).collect()] };
     rows.iter().enumerate().map(|(row, worlds)| pages(study, row, worlds)).collect()
 }
 
-fn pages(study: &Study, row: usize, worlds: &[usize]) -> Vec<Trial> {
+fn pages(study: &PeopleStudy, row: usize, worlds: &[usize]) -> Vec<Trial> {
     let practice = study.practice_world();
     let (before, between): (Vec<usize>, Vec<usize>) =
         (0..study.questions.len()).partition(|&q| !study.questions[q].is_between);
@@ -138,7 +138,7 @@ fn pages(study: &Study, row: usize, worlds: &[usize]) -> Vec<Trial> {
 
 /// The pages of a task in a world, its options or methods rotated by `shift`, with the scales after every
 /// carry.
-fn measured(study: &Study, task: Task, world: usize, shift: usize, repetition: u64) -> Vec<Trial> {
+fn measured(study: &PeopleStudy, task: Task, world: usize, shift: usize, repetition: u64) -> Vec<Trial> {
     let rotated = |count: usize| (0..count).map(move |at| (at + shift) % count);
     let practice = false;
     match task {
@@ -154,7 +154,7 @@ fn measured(study: &Study, task: Task, world: usize, shift: usize, repetition: u
 }
 
 /// The pages of scales: of those after every carry, or of the others.
-fn scales(study: &Study, is_after_carry: bool) -> impl Iterator<Item = Trial> {
+fn scales(study: &PeopleStudy, is_after_carry: bool) -> impl Iterator<Item = Trial> {
     let asked = move |scale: &usize| study.scales[*scale].is_after_carry == is_after_carry;
     (0..study.scales.len()).filter(asked).map(|scale| Trial::Scale { scale })
 }

@@ -3,9 +3,9 @@
 use crate::digest::sha256;
 use crate::order::{Trial, orders};
 use crate::store::{Begin, Chunk, Store, StoreError, whole_digest};
-use crate::study::{ScaleKind, Study, StudyWorld};
+use crate::study::{PeopleStudy, ScaleKind, StudyWorld};
 use cocarry::coordination;
-use cocarry::episode::Settings;
+use cocarry::episode::EpisodeSettings;
 use cocarry::learning::{TolerancePrior, discomfort_limit};
 use cocarry::preference::{Marginal, Perception, RISK_WEIGHT, human_choice};
 use cocarry_studies::fit::Guidance;
@@ -37,7 +37,7 @@ pub struct Truth {
 /// # Errors
 /// The store cannot be written, or has no place for as many.
 pub fn simulate(
-    study: &Study,
+    study: &PeopleStudy,
     digest: &str,
     store: &mut Store,
     count: u64,
@@ -75,7 +75,7 @@ pub(crate) struct Answers {
 }
 
 /// The answers of a participant to whom these trials come.
-pub(crate) fn answers(study: &Study, trials: &[Trial], seed: u64, person: u64) -> Answers {
+pub(crate) fn answers(study: &PeopleStudy, trials: &[Trial], seed: u64, person: u64) -> Answers {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(person);
     let (perception, eta) = drawn(&mut rng);
@@ -98,7 +98,13 @@ pub(crate) fn chosen(world: &StudyWorld, perception: Perception, rng: &mut ChaCh
 }
 
 /// What the page would record at the end of a trial. Simulated participants do not carry.
-fn answer(study: &Study, page: &Trial, perception: Perception, eta: f64, rng: &mut ChaCha8Rng) -> Value {
+fn answer(
+    study: &PeopleStudy,
+    page: &Trial,
+    perception: Perception,
+    eta: f64,
+    rng: &mut ChaCha8Rng,
+) -> Value {
     match *page {
         Trial::Consent => json!({ "task": "consent", "version": study.consent[0] }),
         Trial::Instructions { .. } => json!({ "task": "instructions" }),
@@ -118,7 +124,7 @@ fn answer(study: &Study, page: &Trial, perception: Perception, eta: f64, rng: &m
             json!({
                 "task": "switch", "world": world.name, "option": world.options[option], "practice": practice,
                 "repetition": repetition,
-                "step": step, "ms": step.map(|step| 1000.0 * Settings::default().planning_step * step as f64),
+                "step": step, "ms": step.map(|step| 1000.0 * EpisodeSettings::default().planning_step * step as f64),
                 "frame": null, "plays": 1, "stalls": 0, "longest_frame_ms": 0,
             })
         }
@@ -141,12 +147,12 @@ fn answer(study: &Study, page: &Trial, perception: Perception, eta: f64, rng: &m
 
 /// The step at which a human of this eta stops following a robot that walks an option: where phi(k) exceeds 1.
 fn switch(world: &StudyWorld, option: usize, eta: f64) -> Option<u64> {
-    stop(&Guidance::along_option(&world.set, &Settings::default(), option)?, eta)
+    stop(&Guidance::along_option(&world.set, &EpisodeSettings::default(), option)?, eta)
 }
 
 /// The same on a walk.
 pub(crate) fn stop(walk: &Guidance, eta: f64) -> Option<u64> {
     let Guidance::Option { discomfort, .. } = walk else { return None };
-    let limit = eta * discomfort_limit(coordination::Settings::default().initial_stubbornness);
+    let limit = eta * discomfort_limit(coordination::StubbornnessSettings::default().initial_stubbornness);
     discomfort.iter().position(|g| *g > limit).map(|step| step as u64)
 }

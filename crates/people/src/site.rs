@@ -3,7 +3,7 @@
 use crate::carry::{drawing, scenarios};
 use crate::digest::sha256;
 use crate::order::orders;
-use crate::study::{Study, StudyWorld};
+use crate::study::{PeopleStudy, StudyWorld};
 use crate::walk::Shots;
 use cocarry::Error;
 use serde_json::{Value, json};
@@ -104,7 +104,7 @@ impl Site {
     ///
     /// # Errors
     /// The scenario of a carry cannot be written.
-    pub fn new(study: &Study, sink: Sink, module: Option<Cow<'static, [u8]>>) -> Result<Self, Error> {
+    pub fn new(study: &PeopleStudy, sink: Sink, module: Option<Cow<'static, [u8]>>) -> Result<Self, Error> {
         let shots: Vec<Shots> =
             study.worlds.iter().map(|world| Shots::of(world, study.shows_openings)).collect();
         let mut content = content(study, &shots)?;
@@ -188,7 +188,7 @@ fn map_file(world: usize) -> String {
 
 /// What the page knows. It has no risk, no length, no completion code, and no answer of anybody; it does have
 /// the right answers of questions.
-fn content(study: &Study, shots: &[Shots]) -> Result<Value, Error> {
+fn content(study: &PeopleStudy, shots: &[Shots]) -> Result<Value, Error> {
     let world = |(at, (world, shots)): (usize, (&StudyWorld, &Shots))| {
         let mut value = json!(shots);
         value["name"] = json!(world.name);

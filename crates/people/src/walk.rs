@@ -1,7 +1,7 @@
 //! What participants see of a world: its map, and the walk of a robot that leads on an option.
 
 use crate::study::StudyWorld;
-use cocarry::episode::Settings;
+use cocarry::episode::EpisodeSettings;
 use cocarry::geometry::{PlanarPose, Point, Tandem, Vector, direction};
 use cocarry::simulation::TORSO_AHEAD;
 use cocarry_output::drawing::{Letters, Moment, STAND_IN, Shown, Stimulus, stand_in};
@@ -96,7 +96,7 @@ fn at_rest(object: PlanarPose, length: f64) -> Moment {
 impl LedWalk {
     /// `None` where the option has no path.
     fn of(world: &StudyWorld, stimulus: &Stimulus, option: usize) -> Option<Self> {
-        let settings = Settings::default();
+        let settings = EpisodeSettings::default();
         let steps = Guidance::along_option(&world.set, &settings, option)?.steps();
         let path = world.set.path(&world.set.begin(), option)?;
         let heading = path.heading_at(0.0)?;
@@ -129,14 +129,14 @@ fn rounded(number: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::{Study, TEMPLATE};
+    use crate::study::{PeopleStudy, TEMPLATE};
 
     #[test]
     fn a_walk_begins_at_a_and_ends_at_b_at_the_robots_speed() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("study.toml");
         std::fs::write(&file, TEMPLATE).unwrap();
-        let study = Study::read(&file).unwrap();
+        let study = PeopleStudy::read(&file).unwrap();
         for world in &study.worlds {
             let shots = Shots::of(world, false);
             assert!(!shots.map.contains("risk") && shots.map.starts_with("<svg"), "{}", shots.map);

@@ -35,7 +35,7 @@ pub(super) struct CalibrateArguments {
     #[arg(long, value_name = "SEED", default_value_t = 0)]
     seed: u64,
     /// Probability that a sighting of a human says nothing about them
-    #[arg(long, value_name = "RATE", value_parser = number(&BELIEF_LAPSE), allow_negative_numbers = true, default_value_t = learning::Settings::default().lapse_rate)]
+    #[arg(long, value_name = "RATE", value_parser = number(&BELIEF_LAPSE), allow_negative_numbers = true, default_value_t = learning::LearningSettings::default().lapse_rate)]
     lapse_rate: f64,
     /// The lapse rate that the robot assumes [default: the true one]
     #[arg(long, value_name = "RATE", value_parser = number(&BELIEF_LAPSE), allow_negative_numbers = true)]
@@ -46,11 +46,11 @@ pub(super) struct CalibrateArguments {
 }
 
 pub(super) fn run_calibrate(arguments: &CalibrateArguments) -> Result<ExitCode, Failure> {
-    let truth = learning::Settings { lapse_rate: arguments.lapse_rate, ..Default::default() };
+    let truth = learning::LearningSettings { lapse_rate: arguments.lapse_rate, ..Default::default() };
     let lapse_rate = arguments.assumed_lapse_rate.unwrap_or(arguments.lapse_rate);
     let calibration = Calibration {
         truth,
-        assumed: learning::Settings { lapse_rate, ..truth },
+        assumed: learning::LearningSettings { lapse_rate, ..truth },
         replications: arguments.replications,
         sightings: arguments.sightings,
         tasks: arguments.tasks,

@@ -4,7 +4,7 @@ use super::output::{OPTION_HEADINGS, option_json, table, table_text};
 use super::terminal::{ATTENTION, BAD, BOLD, GOOD, Text};
 use anstyle::Style;
 use cocarry::coordination;
-use cocarry::episode::{Episode, OptionTick, Outcome, PreferenceChange, Settings, Summary, Tick};
+use cocarry::episode::{Episode, EpisodeSettings, OptionTick, Outcome, PreferenceChange, Summary, Tick};
 use cocarry::geometry::Point;
 use cocarry::preference::Perception;
 use cocarry::quantities::{EPISODE, Event, Severity, View};
@@ -44,7 +44,7 @@ impl EpisodeReport<'_> {
         self.episode.summary()
     }
 
-    fn settings(&self) -> &Settings {
+    fn settings(&self) -> &EpisodeSettings {
         &self.prepared.scenario().settings
     }
 
@@ -105,7 +105,7 @@ impl EpisodeReport<'_> {
 
     pub fn as_text(&self) -> Text {
         let (world, summary) = (self.prepared.world(), self.summary());
-        let coordination::Settings { eta, initial_stubbornness } = self.settings().coordination;
+        let coordination::StubbornnessSettings { eta, initial_stubbornness } = self.settings().coordination;
         let mut text = format!("{} ({})\n", world.name, world.file);
         let method = self.method();
         let from =

@@ -5,7 +5,7 @@ use super::output::{Failure, input};
 use anyhow::{Error, anyhow};
 use cocarry::suggestion::shell_word;
 use cocarry::{bounds, located};
-use cocarry_studies::fit::Kind;
+use cocarry_studies::fit::EvidenceKind;
 use cocarry_studies::study;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -120,11 +120,11 @@ fn by_first_bytes(path: &Path, kind: FileKind) -> Option<String> {
             "these are the results of a sweep; `cocarry sweep --summary {file}` prints their tables, `cocarry compare {file}` compares its methods"
         ));
     }
-    match columns.contains(&"participant").then(|| Kind::of(path).ok()).flatten() {
-        Some(Kind::Answers) => Some(format!(
+    match columns.contains(&"participant").then(|| EvidenceKind::of(path).ok()).flatten() {
+        Some(EvidenceKind::Answers) => Some(format!(
             "these are answers of participants; give them to `cocarry fit risk-weight {file}` or `cocarry infer {file}`"
         )),
-        Some(Kind::Switches) => Some(format!(
+        Some(EvidenceKind::Switches) => Some(format!(
             "these are switches of participants; give them to `cocarry fit eta {file}` or `cocarry infer {file}`"
         )),
         None => None,

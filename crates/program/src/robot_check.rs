@@ -9,7 +9,7 @@ use super::robot::check_is_file;
 use super::xacro::XacroArguments;
 use anyhow::{Error, anyhow};
 use clap::Args;
-use cocarry::episode::Settings;
+use cocarry::episode::EpisodeSettings;
 use cocarry::error::Place;
 use cocarry::geometry::{Footprint, Pose};
 use cocarry::robot::{Drive, DriveKind, Motion, PlanarSpeeds, Posture, Robot, WeakestJoint};
@@ -194,7 +194,7 @@ fn remarks(robot: &Robot) -> Vec<String> {
             2.0 * half
         ));
     }
-    let speed = Settings::default().speed;
+    let speed = EpisodeSettings::default().speed;
     let slow =
         robot.postures.iter().filter_map(|posture| team::slow_drive(robot, &posture.joints, speed, true));
     let mut slow: Vec<String> = slow.map(|slow| slow.to_string()).collect();

@@ -14,7 +14,7 @@ use super::snapshots::{Saves, SnapshotArguments};
 use super::tick_log;
 use anyhow::{Context, anyhow};
 use clap::Args;
-use cocarry::episode::{Outcome, State, Summary};
+use cocarry::episode::{EpisodeState, Outcome, Summary};
 use cocarry::preference::Perception;
 use cocarry::quantities::View;
 use cocarry::scenario::{Decisions, Scenario, Snapshot};
@@ -110,7 +110,7 @@ fn carry_out(arguments: &RunArguments) -> Result<ExitCode, Failure> {
         None => (arguments.scenario.scenario()?, None),
         Some(Snapshot { scenario, state, .. }) => (scenario, Some(state)),
     };
-    let resumed = state.as_ref().map(State::steps);
+    let resumed = state.as_ref().map(EpisodeState::steps);
     let refused = |error| arguments.snapshots.refused(error);
     let prepared = with_spinner("preparing the world", || scenario.prepare()).map_err(refused)?;
     prepared.warnings().iter().for_each(warn);

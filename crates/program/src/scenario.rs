@@ -6,13 +6,13 @@ use super::robot::RobotArguments;
 use super::settings::SettingArguments;
 use anyhow::anyhow;
 use clap::Args;
-use cocarry::episode::{PreferenceChange, Settings};
+use cocarry::episode::{EpisodeSettings, PreferenceChange};
 use cocarry::preference::RISK_WEIGHT;
-use cocarry::scenario::{GivenPerception, Group, PreferenceChanges, Scenario, drawn_changes};
+use cocarry::scenario::{GivenPerception, PreferenceChanges, Scenario, SettingGroup, drawn_changes};
 use std::path::{Path, PathBuf};
 
-const HUMAN: &str = Group::Human.title();
-const ROBOT: &str = Group::Robot.title();
+const HUMAN: &str = SettingGroup::Human.title();
+const ROBOT: &str = SettingGroup::Robot.title();
 
 /// World, human, team and plant.
 #[derive(Args, Debug)]
@@ -91,7 +91,8 @@ impl TeamArguments {
     pub fn scenario_in(&self, world: &Path) -> Result<Scenario, Failure> {
         let world = load_world(world)?;
         let plant = self.robot.plant(&self.settings)?;
-        let settings = Settings { predictor: self.belief.predictor(RISK_WEIGHT)?, ..Settings::default() };
+        let settings =
+            EpisodeSettings { predictor: self.belief.predictor(RISK_WEIGHT)?, ..EpisodeSettings::default() };
         let belief = &settings.predictor.belief().clone();
         let given = GivenPerception { alpha: self.alpha, gamma: self.gamma };
         let mut scenario = Scenario::of_seed(self.seed, world.into(), plant, settings, belief, given);

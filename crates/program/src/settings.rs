@@ -3,7 +3,9 @@
 use super::custom;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
-use cocarry::scenario::{AVOID, Group, Kind, PERIOD, PlantKind, SETTINGS, Scenario, Setting, Value};
+use cocarry::scenario::{
+    AVOID, PERIOD, PlantKind, SETTINGS, Scenario, Setting, SettingGroup, SettingKind, Value,
+};
 use std::borrow::Cow;
 
 /// The key of the setting of the robot's method.
@@ -42,7 +44,7 @@ impl Args for SettingArguments {
         let no_obstacles = Arg::new("no_obstacles")
             .long(NO_OBSTACLES)
             .action(ArgAction::SetTrue)
-            .help_heading(Group::Control.title())
+            .help_heading(SettingGroup::Control.title())
             .conflicts_with("avoid")
             .help("Leave obstacles out of the robot's MPC, as the paper does; the same as --avoid nothing");
         let defaults = Scenario::defaults();
@@ -62,7 +64,7 @@ impl FromArgMatches for SettingArguments {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
         let value = |setting: &'static Setting| {
             let value = match setting.kind {
-                Kind::Flag(_) => matches.get_flag(setting.key).then_some(Value::Flag(true)),
+                SettingKind::Flag(_) => matches.get_flag(setting.key).then_some(Value::Flag(true)),
                 _ => matches.get_one(setting.key).cloned(),
             };
             Some((setting, setting.flag, value?))
@@ -93,10 +95,10 @@ fn argument(setting: &'static Setting, defaults: &Scenario) -> Arg {
         None => Cow::Borrowed(""),
     };
     let value = match setting.kind {
-        Kind::Number(..) => "NUMBER",
-        Kind::Count(..) => "COUNT",
-        Kind::Text(..) => "TEXT",
-        Kind::Word(..) | Kind::Flag(_) => "WORD",
+        SettingKind::Number(..) => "NUMBER",
+        SettingKind::Count(..) => "COUNT",
+        SettingKind::Text(..) => "TEXT",
+        SettingKind::Word(..) | SettingKind::Flag(_) => "WORD",
     };
     let argument = argument.value_name(value).allow_negative_numbers(true);
     let argument = argument.help(format!("{}{default}", setting.about));

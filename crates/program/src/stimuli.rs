@@ -8,7 +8,7 @@ use super::robot::RobotArguments;
 use super::settings::SettingArguments;
 use anyhow::anyhow;
 use clap::{Args, ValueEnum};
-use cocarry::episode::{Outcome, Settings};
+use cocarry::episode::{EpisodeSettings, Outcome};
 use cocarry::policy::Method;
 use cocarry::preference::Belief;
 use cocarry::scenario::{GivenPerception, Plant, PreparedScenario, SETTINGS, Scenario, Setting};
@@ -217,7 +217,8 @@ impl Stimuli<'_> {
 
     /// The scenario of a robot that leads on an option, by its number.
     fn scenario(&self, world: &Path, option: Option<u64>) -> Result<Scenario, Failure> {
-        let settings = Settings { method: Method::ROBOT_LED, lead_option: option, ..Settings::default() };
+        let settings =
+            EpisodeSettings { method: Method::ROBOT_LED, lead_option: option, ..EpisodeSettings::default() };
         let (world, plant) = (load_world(world)?, self.plant.clone());
         let given = GivenPerception::default();
         let mut scenario = Scenario::of_seed(0, world.into(), plant, settings, &Belief::default(), given);

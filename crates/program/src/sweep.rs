@@ -14,7 +14,8 @@ use clap::Args;
 use cocarry_output::output_file::Outputs;
 use cocarry_studies::statistics::Estimate;
 use cocarry_studies::study::{
-    Comparing, Group, Results, Shard, Study, Summary, Sweep, SweepError, SweepOutputs, complete_rows, merge,
+    Comparing, Results, Shard, Study, Summary, SummaryGroup, Sweep, SweepError, SweepOutputs, complete_rows,
+    merge,
 };
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -209,8 +210,8 @@ const HUMAN_OUTCOMES: [(&str, &str); 5] = [
 /// Two tables of the groups: costs, and means for the human.
 fn groups(summary: &Summary) -> String {
     let keys = headings(summary);
-    let outcome = |group: &Group, key: &str| group.outcomes.get(key).cloned().flatten();
-    let names = |group: &Group| -> Vec<String> {
+    let outcome = |group: &SummaryGroup, key: &str| group.outcomes.get(key).cloned().flatten();
+    let names = |group: &SummaryGroup| -> Vec<String> {
         keys.iter().map(|key| group.inputs.get(key).cloned().unwrap_or_default()).collect()
     };
     let has_control = summary.groups.iter().any(|g| outcome(g, "accumulated_control_cost").is_some());

@@ -34,7 +34,7 @@ pub struct Array {
 
 /// A group of arrays, which share their dimensions.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Group {
+pub struct ZarrGroup {
     /// Name.
     pub name: String,
     /// Arrays.
@@ -47,7 +47,7 @@ pub struct Store {
     /// Attributes of the whole.
     pub attributes: Map<String, Value>,
     /// Groups.
-    pub groups: Vec<Group>,
+    pub groups: Vec<ZarrGroup>,
 }
 
 impl Values {
@@ -121,7 +121,7 @@ impl Store {
             (".zattrs".to_owned(), Value::Object(self.attributes.clone())),
         ];
         let mut chunks = Vec::new();
-        for Group { name, arrays } in &self.groups {
+        for ZarrGroup { name, arrays } in &self.groups {
             texts.push((format!("{name}/.zgroup"), group.clone()));
             texts.push((format!("{name}/.zattrs"), json!({})));
             for array in arrays {
@@ -169,7 +169,7 @@ mod tests {
             dimensions: vec![("none".to_owned(), 0)],
             values: Values::Numbers(Vec::new()),
         };
-        let groups = vec![Group { name: "sample_stats".to_owned(), arrays: vec![lp, none] }];
+        let groups = vec![ZarrGroup { name: "sample_stats".to_owned(), arrays: vec![lp, none] }];
         let store = Store { attributes: Map::new(), groups };
         let bytes = store.zipped().unwrap();
         assert_eq!(bytes, store.zipped().unwrap());

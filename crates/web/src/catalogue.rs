@@ -6,7 +6,9 @@ use cocarry::episode::Outcome;
 use cocarry::human::MODELS;
 use cocarry::policy::METHODS;
 use cocarry::preference::Predictor;
-use cocarry::scenario::{Applies, Kind, PERCEPTION, PlantKind, Range, SETTINGS, Scenario, Setting, Word};
+use cocarry::scenario::{
+    Applies, PERCEPTION, PlantKind, Range, SETTINGS, Scenario, Setting, SettingKind, Word,
+};
 use cocarry::world::BUILT_IN_WORLDS;
 use cocarry::{arithmetic, bounds};
 use cocarry_output::{figure, player};
@@ -58,16 +60,18 @@ fn range(range: &Range) -> Value {
 
 fn described(setting: &Setting, defaults: &Scenario) -> Value {
     let mut described = match &setting.kind {
-        Kind::Number(unit, limits, _) => {
+        SettingKind::Number(unit, limits, _) => {
             let mut described = range(limits);
             described["kind"] = "number".into();
             described["unit"] = (*unit).into();
             described
         }
-        Kind::Count(most, _) => json!({ "kind": "count", "least": 1, "least_is_open": false, "most": most }),
-        Kind::Flag(_) => json!({ "kind": "flag" }),
-        Kind::Word(all, _) => json!({ "kind": "word", "words": words(&all()) }),
-        Kind::Text(..) => json!({ "kind": "text" }),
+        SettingKind::Count(most, _) => {
+            json!({ "kind": "count", "least": 1, "least_is_open": false, "most": most })
+        }
+        SettingKind::Flag(_) => json!({ "kind": "flag" }),
+        SettingKind::Word(all, _) => json!({ "kind": "word", "words": words(&all()) }),
+        SettingKind::Text(..) => json!({ "kind": "text" }),
     };
     let applies = match setting.applies {
         Applies::Always => "always",

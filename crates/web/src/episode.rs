@@ -1,6 +1,6 @@
 //! An open episode: its steps, the decisions from outside, and what it answers.
 
-use crate::state::{Layout, State, current_options};
+use crate::state::{ShownState, StateLayout, current_options};
 use crate::steering::{SteeredHuman, SteeredPolicy, Steering};
 use crate::world::{evaluated, plane};
 use cocarry::Error;
@@ -9,7 +9,7 @@ use cocarry::geometry::Point;
 use cocarry::human::{HumanDecision, Stance};
 use cocarry::policy::{Decision, Lead, RobotPolicy};
 use cocarry::preference::Prospect;
-use cocarry::quantities::{EPISODE, Event, Heading, Kind, LEARNED, Severity, Value as Figure, View};
+use cocarry::quantities::{EPISODE, Event, Heading, LEARNED, QuantityKind, Severity, Value as Figure, View};
 use cocarry::robot::Robot;
 use cocarry::scenario::{
     Decisions, EpisodeLog, MAX_MOTION, Partners, PolicyLog, PreparedScenario, Scenario, Snapshot,
@@ -45,7 +45,7 @@ self_cell!(
 pub struct Open {
     cell: Cell,
     steering: Steering,
-    state: State,
+    state: ShownState,
     /// The options before the first step.
     at_start: Vec<OptionTick>,
     /// All decisions so far; `None` of an episode whose beginning is not known.
@@ -112,12 +112,12 @@ impl Open {
             steps: Vec::new(),
         };
         let prepared = cell.borrow_owner();
-        let layout = Layout::of(prepared);
+        let layout = StateLayout::of(prepared);
         let at_start = evaluated(prepared.options(), &mut prepared.scenario().settings.predictor.clone());
         let mut open = Self {
             cell,
             steering,
-            state: State::new(layout),
+            state: ShownState::new(layout),
             at_start,
             decided: Some(Decisions::new(true, Some(policy)).with_changes()),
             digests: Vec::new(),
@@ -370,7 +370,7 @@ impl Open {
             // no outcome yet is not an interruption
             let value = if key == "outcome" && self.outcome.is_none() { Figure::Missing } else { value };
             let Heading { description, kind, .. } = Heading::from(quantity);
-            let unit = if let Kind::Number(unit) = kind { unit } else { "" };
+            let unit = if let QuantityKind::Number(unit) = kind { unit } else { "" };
             json!({ "key": key, "unit": unit, "description": description, "value": value })
         });
         let learned = view.read(LEARNED).into_iter().next().map(|(_, value)| json!(value));

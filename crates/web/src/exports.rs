@@ -3,7 +3,7 @@
 #![allow(missing_docs, reason = "README.md has a table of them")]
 
 use crate::episode::Open;
-use crate::module::{self, bytes, json, run};
+use crate::module::{self, bytes, json, with_module};
 use crate::{catalogue, parts, robots, world};
 use cocarry::scenario::EpisodeLog;
 
@@ -49,7 +49,7 @@ pub extern "C" fn cocarry_robot() -> u32 {
 
 #[unsafe(no_mangle)]
 pub extern "C" fn cocarry_open() -> u32 {
-    run(0, |module| {
+    with_module(0, |module| {
         let text = module.take_text("the scenario")?;
         let open = Open::of_scenario(&text)?;
         module.open(open)
@@ -58,7 +58,7 @@ pub extern "C" fn cocarry_open() -> u32 {
 
 #[unsafe(no_mangle)]
 pub extern "C" fn cocarry_restore() -> u32 {
-    run(0, |module| {
+    with_module(0, |module| {
         let open = Open::of_snapshot(&module.take_bytes())?;
         module.open(open)
     })
@@ -66,7 +66,7 @@ pub extern "C" fn cocarry_restore() -> u32 {
 
 #[unsafe(no_mangle)]
 pub extern "C" fn cocarry_replay() -> u32 {
-    run(0, |module| {
+    with_module(0, |module| {
         let log: EpisodeLog = module.take_json("the log")?;
         let open = Open::of_log(&log)?;
         module.open(open)
@@ -75,7 +75,7 @@ pub extern "C" fn cocarry_replay() -> u32 {
 
 #[unsafe(no_mangle)]
 pub extern "C" fn cocarry_close(handle: u32) -> u32 {
-    run(0, |module| module.close(handle))
+    with_module(0, |module| module.close(handle))
 }
 
 #[unsafe(no_mangle)]
@@ -85,37 +85,37 @@ pub extern "C" fn cocarry_describe(handle: u32) -> u32 {
 
 #[unsafe(no_mangle)]
 pub extern "C" fn cocarry_state(handle: u32) -> *const f64 {
-    run(std::ptr::null(), |module| Ok(module.episode(handle)?.state().as_ptr()))
+    with_module(std::ptr::null(), |module| Ok(module.episode(handle)?.state().as_ptr()))
 }
 
 #[unsafe(no_mangle)]
 pub extern "C" fn cocarry_human(handle: u32, option: i32, stance: i32) -> u32 {
-    run(0, |module| module.episode(handle)?.steer_human(option, stance))
+    with_module(0, |module| module.episode(handle)?.steer_human(option, stance))
 }
 
 #[unsafe(no_mangle)]
 pub extern "C" fn cocarry_hand(handle: u32, x: f64, y: f64) -> u32 {
-    run(0, |module| module.episode(handle)?.steer_hand(x, y))
+    with_module(0, |module| module.episode(handle)?.steer_hand(x, y))
 }
 
 #[unsafe(no_mangle)]
 pub extern "C" fn cocarry_policy(handle: u32, lead: i32, option: i32) -> u32 {
-    run(0, |module| module.episode(handle)?.steer_policy(lead, option))
+    with_module(0, |module| module.episode(handle)?.steer_policy(lead, option))
 }
 
 #[unsafe(no_mangle)]
 pub extern "C" fn cocarry_period(handle: u32) -> i32 {
-    run(-1, |module| Ok(module.episode(handle)?.period()))
+    with_module(-1, |module| Ok(module.episode(handle)?.period()))
 }
 
 #[unsafe(no_mangle)]
 pub extern "C" fn cocarry_step(handle: u32) -> i32 {
-    run(-1, |module| Ok(module.episode(handle)?.step()))
+    with_module(-1, |module| Ok(module.episode(handle)?.step()))
 }
 
 #[unsafe(no_mangle)]
 pub extern "C" fn cocarry_run(handle: u32, seconds: f64) -> i32 {
-    run(-1, |module| module.episode(handle)?.run(seconds))
+    with_module(-1, |module| module.episode(handle)?.run(seconds))
 }
 
 #[unsafe(no_mangle)]

@@ -106,7 +106,7 @@ pub fn output() -> (*const u8, usize) {
 }
 
 /// Runs `act`; its error becomes the output, and the result `failed`.
-pub fn run<T>(failed: T, act: impl FnOnce(&mut Module) -> Result<T, Error>) -> T {
+pub fn with_module<T>(failed: T, act: impl FnOnce(&mut Module) -> Result<T, Error>) -> T {
     keep_faults();
     MODULE.with_borrow_mut(|module| match act(module) {
         Ok(done) => done,
@@ -119,7 +119,7 @@ pub fn run<T>(failed: T, act: impl FnOnce(&mut Module) -> Result<T, Error>) -> T
 
 /// Runs `act`, whose bytes, or whose error, become the output. 1, or 0 if it failed.
 pub fn bytes(act: impl FnOnce(&mut Module) -> Result<Vec<u8>, Error>) -> u32 {
-    run(0, |module| {
+    with_module(0, |module| {
         let answer = act(module)?;
         module.say(answer);
         Ok(1)

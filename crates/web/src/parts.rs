@@ -2,12 +2,13 @@
 //! same.
 
 use crate::robots;
-use cocarry::episode::{PreferenceChange, Settings};
+use cocarry::episode::{EpisodeSettings, PreferenceChange};
 use cocarry::error::{Error, Place};
 use cocarry::policy::Method;
 use cocarry::preference::{Belief, Marginal, Predictor, RISK_WEIGHT};
 use cocarry::scenario::{
-    GivenPerception, Kind, PERCEPTION, Plant, PlantKind, RobotSetup, SETTINGS, Scenario, Setting, Value,
+    GivenPerception, PERCEPTION, Plant, PlantKind, RobotSetup, SETTINGS, Scenario, Setting, SettingKind,
+    Value,
 };
 use cocarry::suggestion::shell_word;
 use cocarry::world::{BuiltInWorld, World};
@@ -98,10 +99,12 @@ fn given(settings: &SettingsPart) -> Result<Vec<(&'static Setting, Value)>, Erro
 
 fn value_of(setting: &Setting, given: &serde_json::Value) -> Result<Value, Error> {
     let value = match &setting.kind {
-        Kind::Number(..) => given.as_f64().map(Value::Number),
-        Kind::Count(..) => given.as_u64().map(Value::Count),
-        Kind::Flag(_) => given.as_bool().map(Value::Flag),
-        Kind::Word(..) | Kind::Text(..) => given.as_str().map(|text| Value::Text(text.to_owned())),
+        SettingKind::Number(..) => given.as_f64().map(Value::Number),
+        SettingKind::Count(..) => given.as_u64().map(Value::Count),
+        SettingKind::Flag(_) => given.as_bool().map(Value::Flag),
+        SettingKind::Word(..) | SettingKind::Text(..) => {
+            given.as_str().map(|text| Value::Text(text.to_owned()))
+        }
     };
     value.filter(|value| setting.accepts(value)).ok_or_else(|| {
         let expected = setting.expected();
@@ -162,7 +165,7 @@ impl Parts {
                 return Err(Error::number(Place::file("the scenario"), key, value, &PERCEPTION.to_string()));
             }
         }
-        let settings = Settings { predictor: self.belief.predictor()?, ..Settings::default() };
+        let settings = EpisodeSettings { predictor: self.belief.predictor()?, ..EpisodeSettings::default() };
         let belief = settings.predictor.belief().clone();
         let perception = GivenPerception { alpha: self.alpha, gamma: self.gamma };
         let mut scenario = Scenario::of_seed(self.seed, world.into(), plant, settings, &belief, perception);

@@ -210,13 +210,13 @@ pub fn current_options<'a>(episode: &'a Episode, at_start: &'a [OptionTick]) -> 
 }
 
 /// The places of the fields in the state of an episode.
-pub struct Layout {
+pub struct StateLayout {
     options: usize,
     joints: usize,
     links: usize,
 }
 
-impl Layout {
+impl StateLayout {
     /// Those of the episodes of a scenario.
     pub fn of(prepared: &PreparedScenario) -> Self {
         let robot = prepared.robot();
@@ -251,14 +251,14 @@ impl Layout {
 }
 
 /// The state of an episode. Its address stays.
-pub struct State {
-    layout: Layout,
+pub struct ShownState {
+    layout: StateLayout,
     numbers: Box<[f64]>,
 }
 
-impl State {
+impl ShownState {
     /// All NaN.
-    pub fn new(layout: Layout) -> Self {
+    pub fn new(layout: StateLayout) -> Self {
         let length = FIELDS.iter().map(|field| layout.count(field)).sum();
         Self { layout, numbers: vec![f64::NAN; length].into() }
     }
@@ -269,7 +269,7 @@ impl State {
     }
 
     /// The places of its fields.
-    pub fn layout(&self) -> &Layout {
+    pub fn layout(&self) -> &StateLayout {
         &self.layout
     }
 

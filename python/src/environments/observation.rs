@@ -8,7 +8,7 @@ use cocarry::episode::Episode;
 use cocarry::geometry::PlanarPose;
 use cocarry::human::Stance;
 use cocarry::math;
-use cocarry::quantities::{Kind, OPTION, OptionView, Value};
+use cocarry::quantities::{OPTION, OptionView, QuantityKind, Value};
 use cocarry::robot;
 use cocarry::scenario::PreparedScenario;
 
@@ -94,7 +94,7 @@ impl Rules {
                 let is_share = ["risk", "probability", "misaligned"].contains(&quantity.key);
                 let bounds = if is_share { FLAG } else { [0.0, MAX_VALUE] };
                 let unit = match quantity.kind {
-                    Kind::Number(unit) if !unit.is_empty() => unit,
+                    QuantityKind::Number(unit) if !unit.is_empty() => unit,
                     _ if quantity.key == "expected_subjective_cost" => "cost units",
                     _ => PLAIN,
                 };

@@ -9,7 +9,7 @@ use cocarry::geometry::{PlanarPose, Point, Pose};
 use cocarry::human::Stance;
 use cocarry::options::Progress;
 use cocarry::preference::{Perception, Prospect, subjective_cost};
-use cocarry::quantities::{Kind, OPTION, OptionView, Value};
+use cocarry::quantities::{OPTION, OptionView, QuantityKind, Value};
 use cocarry::robot::Configuration;
 use cocarry::scenario::PreparedScenario;
 use numpy::{PyArray1, PyArray2};
@@ -69,8 +69,8 @@ impl PyView {
         let values = self.names.iter().zip(&self.evaluated);
         let values = values.map(|(name, option)| (quantity.get)(&OptionView { name, option }));
         Ok(Some(match quantity.kind {
-            Kind::Flag => PyArray1::from_iter(py, values.map(|v| v == Value::Flag(true))).into_any(),
-            Kind::Text => {
+            QuantityKind::Flag => PyArray1::from_iter(py, values.map(|v| v == Value::Flag(true))).into_any(),
+            QuantityKind::Text => {
                 PyList::new(py, values.map(|v| v.as_str().unwrap_or_default().to_owned()))?.into_any()
             }
             _ => PyArray1::from_iter(py, values.map(|v| v.as_f64().unwrap_or(f64::NAN))).into_any(),

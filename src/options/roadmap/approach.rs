@@ -28,14 +28,14 @@ enum Approach {
 
 /// The path from a point to a site.
 #[derive(Clone, Copy, Debug)]
-struct Found {
+struct FoundApproach {
     approach: Approach,
     /// The cost by which paths are compared, m.
     cost: f64,
     leg: Leg,
 }
 
-impl Found {
+impl FoundApproach {
     fn straight(join: Join) -> Self {
         let leg = Leg { length: join.length, depth: join.depth };
         Self { approach: Approach::Straight(join), cost: join.cost, leg }
@@ -99,18 +99,18 @@ impl Roadmap {
     }
 
     /// The cheapest path from `p` to a site: straight, or around discs.
-    fn approach(&self, p: Point, site: usize) -> Option<Found> {
+    fn approach(&self, p: Point, site: usize) -> Option<FoundApproach> {
         let straight = &self.sites[site].straight;
         let direct = straight.best_join(p);
         let joined = |room: f64| direct.filter(|join| self.space.can_join_by(p, join.to, straight, room));
         if let Some(join) = joined(self.space.clearance) {
-            return Some(Found::straight(join));
+            return Some(FoundApproach::straight(join));
         }
         self.approach_around(p, site, self.space.clearance).or_else(|| {
             // a team that is closer to an obstacle than the clearance may leave along it
             let room = self.space.clearance_at(p);
             if let Some(join) = joined(room) {
-                return Some(Found::straight(join));
+                return Some(FoundApproach::straight(join));
             }
             self.approach_around(p, site, room)
         })
@@ -118,13 +118,13 @@ impl Roadmap {
 
     /// The cheapest path from `p` that keeps `clearance` (m) up to its first disc, or to the far end of the
     /// straight part.
-    fn approach_around(&self, p: Point, site: usize, clearance: f64) -> Option<Found> {
+    fn approach_around(&self, p: Point, site: usize, clearance: f64) -> Option<FoundApproach> {
         let Site { straight, component, .. } = &self.sites[site];
         let goal = self.paths_to(site);
         // the far end of the straight part may be visible where the best joining point is not
         let portal = straight.join_at_portal(p);
         let in_sight = straight.reach > 0.0 && self.space.is_clear_by(p, portal.to, clearance);
-        let mut best = in_sight.then(|| Found::straight(portal));
+        let mut best = in_sight.then(|| FoundApproach::straight(portal));
         for &(ring, nearest) in &goal.rings {
             let cheapest = best.map_or(f64::INFINITY, |found| found.cost);
             if nearest >= cheapest {
@@ -157,7 +157,7 @@ impl Roadmap {
                 && (known_open || self.space.is_arc_clear(disc, from_angle, sweep))
             {
                 let approach = Approach::Around { ring, touch, from_angle, sweep, next };
-                best = Some(Found { approach, cost, leg: Leg { length: to_next + onward, depth } });
+                best = Some(FoundApproach { approach, cost, leg: Leg { length: to_next + onward, depth } });
             }
         }
         best

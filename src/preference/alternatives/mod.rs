@@ -53,7 +53,7 @@ pub struct RiskParameter {
 
 /// The people who prefer the same option in each of several situations.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Group {
+pub struct ChoiceGroup {
     /// Their share of all people, from 0 to 1.
     pub share: f64,
     /// By situation and option, the probability that they prefer it: 1, or equal parts where options are tied.
@@ -93,7 +93,7 @@ pub trait RiskPerception: std::fmt::Debug + Send + Sync {
     /// Exact with [`RiskPerception::breaks`]. Without, the choices along the first parameter are found by
     /// bisection, at 64 values of the second one; in the paper's environments, with c_r = 20,
     /// 40 and 80 m, probabilities differ by less than 4e-4 from those with 2048 values.
-    fn groups(&self, situations: &[&[Prospect]], risk_weight: f64) -> Vec<Group> {
+    fn groups(&self, situations: &[&[Prospect]], risk_weight: f64) -> Vec<ChoiceGroup> {
         groups_in_rows(self, situations, risk_weight, ROWS)
     }
 
@@ -138,7 +138,7 @@ fn groups_in_rows(
     situations: &[&[Prospect]],
     risk_weight: f64,
     rows: usize,
-) -> Vec<Group> {
+) -> Vec<ChoiceGroup> {
     let choose = |quantiles: &[f64]| choices(perception, situations, risk_weight, quantiles);
     let people = People { situations, choose: &choose };
     let mut shares: BTreeMap<Vec<usize>, f64> = BTreeMap::new();
@@ -192,7 +192,7 @@ impl People<'_> {
         }
     }
 
-    fn group(&self, choices: &[usize], share: f64) -> Group {
+    fn group(&self, choices: &[usize], share: f64) -> ChoiceGroup {
         let mut ties = Ties::default();
         let preferred = self.situations.iter().zip(choices).map(|(prospects, &chosen)| {
             let mut masses = vec![0.0; prospects.len()];
@@ -203,7 +203,7 @@ impl People<'_> {
             }
             masses
         });
-        Group { share, preferred: preferred.collect() }
+        ChoiceGroup { share, preferred: preferred.collect() }
     }
 }
 

@@ -19,7 +19,7 @@ const MAX_CROSSINGS: usize = 2 * POINTS;
 
 /// alpha as a polynomial of gamma on an interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(super) struct Line {
+pub(super) struct GammaLine {
     middle: f64,
     half: f64,
     alpha: Samples,
@@ -57,7 +57,7 @@ impl Sides {
     }
 }
 
-impl Line {
+impl GammaLine {
     pub fn of(border: &Border, rule: &Rule) -> Self {
         Self::through(rule, border.gamma, &border.alphas, &border.marks)
     }
@@ -283,11 +283,11 @@ mod tests {
         let uniform = |low, high| Marginal::uniform(low, high).unwrap();
         let (alpha, gamma) = (uniform(0.5, 0.9), uniform(0.5, 1.5));
         let domain = Domain { alpha, alpha_panels: vec![0.5, 0.9], gamma, gamma_panels: vec![0.5, 1.5] };
-        let level = Line::constant(&rule, [0.5, 1.5], 0.7, &domain);
+        let level = GammaLine::constant(&rule, [0.5, 1.5], 0.7, &domain);
         // the points lie at 0.9 and 1.1
         for [from, to] in [[0.95, 1.05], [0.91, 0.93], [0.999, 1.001]] {
             let alphas = rule.nodes.map(|x| 0.7 + (1.0 + 0.5 * x - from) * (1.0 + 0.5 * x - to));
-            let line = Line::through(&rule, [0.5, 1.5], &alphas, &alphas);
+            let line = GammaLine::through(&rule, [0.5, 1.5], &alphas, &alphas);
             let sides = level.sides(&line, 0.5, 1.5);
             let found: Vec<_> = sides.parts().collect();
             let wanted = [(0.5, from, false), (from, to, true), (to, 1.5, false)];

@@ -13,7 +13,7 @@ use super::{
 };
 use crate::error::Error;
 use independent::Independent;
-use line::Line;
+use line::GammaLine;
 pub use moments::Estimate;
 use moments::Moments;
 use plane::{Plane, SAME, Segment};
@@ -44,7 +44,7 @@ use serde::{Deserialize, Serialize};
 pub struct Posterior {
     belief: Belief,
     risk_weight: f64,
-    model: Model,
+    model: PosteriorModel,
     ties: Ties,
     masses: Vec<f64>,
     /// The last observation, as likelihoods of the leaders of ties.
@@ -55,7 +55,7 @@ pub struct Posterior {
 }
 
 #[derive(Debug, Clone)]
-enum Model {
+enum PosteriorModel {
     Independent(Box<Independent>),
     Samples { set: SampleSet, weights: Vec<f64> },
 }
@@ -66,7 +66,7 @@ pub struct Learned(Contents);
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 enum Contents {
-    Plane { lines: Vec<Line>, segments: Vec<Segment> },
+    Plane { lines: Vec<GammaLine>, segments: Vec<Segment> },
     Samples { weights: Vec<f64> },
 }
 
@@ -79,11 +79,11 @@ impl Posterior {
         super::predictor::check(risk_weight)?;
         let model = match &belief {
             Belief::Independent { alpha, gamma } => {
-                Model::Independent(Box::new(Independent::new(*alpha, *gamma)))
+                PosteriorModel::Independent(Box::new(Independent::new(*alpha, *gamma)))
             }
             Belief::Samples(set) => {
                 let weights = set.samples().iter().map(|sample| sample.weight).collect();
-                Model::Samples { set: set.clone(), weights }
+                PosteriorModel::Samples { set: set.clone(), weights }
             }
         };
         let (ties, moments) = (Ties::default(), Moments::default());
@@ -122,7 +122,7 @@ impl Posterior {
         self.ties.means(likelihoods, &mut self.likelihoods);
         let (ties, likelihoods) = (&self.ties, self.likelihoods.as_slice());
         let evidence = match &mut self.model {
-            Model::Samples { set, weights } => {
+            PosteriorModel::Samples { set, weights } => {
                 let likelihood =
                     |perception| likelihoods[human_choice(prospects, risk_weight, perception, None)];
                 let pairs = || set.samples().iter().zip(weights.iter());
@@ -134,7 +134,7 @@ impl Posterior {
                 }
                 (total > 1e-250).then_some(total)
             }
-            Model::Independent(model) => {
+            PosteriorModel::Independent(model) => {
                 if model.outline(prospects, ties, risk_weight) {
                     let Independent { domain, rule, plane, strips, .. } = model.as_mut();
                     let outline = strips.outline.get_or_insert_default();
@@ -162,8 +162,8 @@ impl Posterior {
     pub fn mix_with_prior(&mut self, rate: f64) -> Result<(), Error> {
         check_rate("change rate", rate, 1.0)?;
         match &mut self.model {
-            Model::Independent(model) => model.plane.mix(rate),
-            Model::Samples { set, weights } => {
+            PosteriorModel::Independent(model) => model.plane.mix(rate),
+            PosteriorModel::Samples { set, weights } => {
                 for (sample, weight) in set.samples().iter().zip(weights) {
                     *weight = (1.0 - rate) * *weight + rate * sample.weight;
                 }
@@ -181,18 +181,18 @@ impl Posterior {
         self.ties.find(prospects, ways, self.risk_weight > 0.0);
         let (masses, ties) = (&mut self.masses, &self.ties);
         match &mut self.model {
-            Model::Samples { set, weights } => {
+            PosteriorModel::Samples { set, weights } => {
                 for (sample, weight) in set.samples().iter().zip(weights).filter(|_| !prospects.is_empty()) {
                     let chosen = human_choice(prospects, self.risk_weight, sample.perception, None);
                     masses[ties.leader(chosen)] += *weight;
                 }
             }
-            Model::Independent(model) => {
+            PosteriorModel::Independent(model) => {
                 if model.outline(prospects, ties, self.risk_weight) {
                     let Independent { domain, rule, plane, strips, .. } = model.as_ref();
                     let outline = strips.outline.as_ref();
                     for border in outline.iter().flat_map(|outline| &outline.borders) {
-                        let line = Line::of(border, rule);
+                        let line = GammaLine::of(border, rule);
                         let mass = plane.mass_below(&line, |gamma| line.mass_to(gamma), border.gamma);
                         masses[border.options[0]] += mass;
                         masses[border.options[1]] -= mass;
@@ -221,7 +221,7 @@ impl Posterior {
     pub fn expected_costs(&mut self, prospects: &[Prospect], costs: &mut Vec<f64>) {
         costs.clear();
         let risk_weight = self.risk_weight;
-        if let Model::Samples { set, weights } = &self.model {
+        if let PosteriorModel::Samples { set, weights } = &self.model {
             costs.extend(prospects.iter().map(|prospect| -> f64 {
                 let cost = |perception| subjective_cost(*prospect, risk_weight, perception);
                 set.samples().iter().zip(weights).map(|(s, weight)| weight * cost(s.perception)).sum()
@@ -233,7 +233,7 @@ impl Posterior {
     }
 
     fn moments(&mut self) -> Option<&Moments> {
-        let Model::Independent(model) = &self.model else { return None };
+        let PosteriorModel::Independent(model) = &self.model else { return None };
         if !std::mem::replace(&mut self.is_filled, true) {
             self.moments.fill(&model.plane, &model.domain, &model.rule);
         }
@@ -244,13 +244,13 @@ impl Posterior {
     /// For samples, the factor of the nearest one.
     pub fn density(&self, Perception { alpha, gamma }: Perception) -> f64 {
         match &self.model {
-            Model::Independent(model) => {
+            PosteriorModel::Independent(model) => {
                 let in_range = |range: [f64; 2], value: f64| (range[0]..=range[1]).contains(&value);
                 let [alphas, gammas] = self.belief.ranges();
                 let is_inside = in_range(alphas, alpha) && in_range(gammas, gamma);
                 if is_inside { model.plane.density(alpha, gamma) } else { 0.0 }
             }
-            Model::Samples { set, weights } => {
+            PosteriorModel::Samples { set, weights } => {
                 let distance = |p: Perception| (p.alpha - alpha).abs() + (p.gamma - gamma).abs();
                 let pairs = set.samples().iter().zip(weights);
                 let nearest =
@@ -264,16 +264,16 @@ impl Posterior {
     /// steps, ascending, and the step. The first alpha is the least of the prior. Empty for samples.
     pub fn steps_at(&self, gamma: f64) -> Vec<(f64, f64)> {
         match &self.model {
-            Model::Independent(model) => model.plane.steps_at(gamma),
-            Model::Samples { .. } => Vec::new(),
+            PosteriorModel::Independent(model) => model.plane.steps_at(gamma),
+            PosteriorModel::Samples { .. } => Vec::new(),
         }
     }
 
     /// The probability of an alpha up to `alpha`, and of a gamma up to `gamma`.
     pub fn marginals(&self, Perception { alpha, gamma }: Perception) -> [f64; 2] {
         match &self.model {
-            Model::Independent(model) => [model.marginal(0, alpha), model.marginal(1, gamma)],
-            Model::Samples { set, weights } => {
+            PosteriorModel::Independent(model) => [model.marginal(0, alpha), model.marginal(1, gamma)],
+            PosteriorModel::Samples { set, weights } => {
                 let up_to = |is_low: &dyn Fn(&Perception) -> bool| -> f64 {
                     let pairs = set.samples().iter().zip(weights);
                     pairs.filter(|(s, _)| is_low(&s.perception)).map(|(_, weight)| weight).sum()
@@ -286,8 +286,10 @@ impl Posterior {
     /// The alpha (0) or gamma (1) up to which there is this probability.
     pub fn quantile(&self, which: usize, probability: f64) -> f64 {
         match &self.model {
-            Model::Independent(model) => model.quantile(which, probability),
-            Model::Samples { set, weights } => moments::sample_quantile(set, weights, which, probability),
+            PosteriorModel::Independent(model) => model.quantile(which, probability),
+            PosteriorModel::Samples { set, weights } => {
+                moments::sample_quantile(set, weights, which, probability)
+            }
         }
     }
 
@@ -295,9 +297,9 @@ impl Posterior {
     pub fn credibility(&self, density: f64) -> [f64; 2] {
         let near = SAME * density;
         match &self.model {
-            Model::Independent(model) => [density + near, density - near]
+            PosteriorModel::Independent(model) => [density + near, density - near]
                 .map(|least| model.plane.integral_of(|w| if w >= least { w } else { 0.0 })),
-            Model::Samples { set, weights } => [density + near, density - near].map(|least| {
+            PosteriorModel::Samples { set, weights } => [density + near, density - near].map(|least| {
                 let pairs = set.samples().iter().zip(weights);
                 pairs.filter(|(s, weight)| *weight / s.weight >= least).map(|(_, weight)| weight).sum()
             }),
@@ -307,8 +309,8 @@ impl Posterior {
     /// Number of steps of the density that are kept; the number of samples for an empirical prior.
     pub fn size(&self) -> usize {
         match &self.model {
-            Model::Independent(model) => model.plane.segments.len(),
-            Model::Samples { weights, .. } => weights.len(),
+            PosteriorModel::Independent(model) => model.plane.segments.len(),
+            PosteriorModel::Samples { weights, .. } => weights.len(),
         }
     }
 
@@ -316,14 +318,14 @@ impl Posterior {
     pub fn estimate(&mut self) -> Estimate {
         self.moments();
         match &self.model {
-            Model::Independent(model) => model.estimate(&self.moments),
-            Model::Samples { set, weights } => moments::of_samples(set, weights),
+            PosteriorModel::Independent(model) => model.estimate(&self.moments),
+            PosteriorModel::Samples { set, weights } => moments::of_samples(set, weights),
         }
     }
 
     /// Mean of alpha and gamma.
     pub fn mean(&mut self) -> [f64; 2] {
-        if let Model::Samples { set, weights } = &self.model {
+        if let PosteriorModel::Samples { set, weights } = &self.model {
             return moments::of_samples(set, weights).mean;
         }
         self.moments().map_or([0.0; 2], Moments::mean)
@@ -332,11 +334,11 @@ impl Posterior {
     /// The state, for [`Posterior::restore`].
     pub fn learned(&self) -> Learned {
         Learned(match &self.model {
-            Model::Independent(model) => {
+            PosteriorModel::Independent(model) => {
                 let Plane { lines, segments, .. } = &model.plane;
                 Contents::Plane { lines: lines.clone(), segments: segments.clone() }
             }
-            Model::Samples { weights, .. } => Contents::Samples { weights: weights.clone() },
+            PosteriorModel::Samples { weights, .. } => Contents::Samples { weights: weights.clone() },
         })
     }
 
@@ -344,7 +346,7 @@ impl Posterior {
     /// belong to this prior.
     pub fn restore(&mut self, learned: &Learned) -> bool {
         let is_restored = match (&mut self.model, &learned.0) {
-            (Model::Independent(model), Contents::Plane { lines, segments }) => {
+            (PosteriorModel::Independent(model), Contents::Plane { lines, segments }) => {
                 let is_known = |segment: &Segment| {
                     (segment.line as usize) < lines.len()
                         && [segment.from, segment.to, segment.below, segment.step]
@@ -365,7 +367,7 @@ impl Posterior {
                 }
                 fits
             }
-            (Model::Samples { weights, .. }, Contents::Samples { weights: saved }) => {
+            (PosteriorModel::Samples { weights, .. }, Contents::Samples { weights: saved }) => {
                 let fits = saved.len() == weights.len() && saved.iter().all(|w| w.is_finite() && *w >= 0.0);
                 if fits {
                     weights.clone_from(saved);

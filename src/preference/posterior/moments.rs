@@ -1,7 +1,7 @@
 //! Means over the belief: expected costs, mean, covariance, intervals and regions.
 
 use super::independent::Independent;
-use super::line::Line;
+use super::line::GammaLine;
 use super::plane::{Plane, SAME, Segment};
 use crate::math;
 use crate::preference::rule::{NODES, Rule, Samples, gauss_legendre, powers};
@@ -110,7 +110,7 @@ impl Moments {
     }
 
     /// Adds what the steps along a line amount to. It lies in one panel of gamma and in one of alpha.
-    fn add(&mut self, line: &Line, weights: &Samples, gamma_panel: usize, domain: &Domain, rule: &Rule) {
+    fn add(&mut self, line: &GammaLine, weights: &Samples, gamma_panel: usize, domain: &Domain, rule: &Rule) {
         let (gammas, alphas) = (line.gammas(rule), line.alphas(rule));
         let each = |value: &dyn Fn(usize) -> f64| -> Samples { std::array::from_fn(value) };
         let weights = each(&|q| weights[q] * domain.gamma.density(gammas[q]));
@@ -208,7 +208,7 @@ impl Independent {
             return self.plane.mass_between(low, value.clamp(low, high), &self.domain);
         }
         let alpha = value.clamp(self.domain.alpha.lower(), self.domain.alpha.upper());
-        let line = Line::constant(&self.rule, [low, high], alpha, &self.domain);
+        let line = GammaLine::constant(&self.rule, [low, high], alpha, &self.domain);
         let (share, gammas) = (self.domain.alpha.cdf(alpha), &self.domain.gamma);
         self.plane.mass_below(&line, |gamma| share * gammas.cdf(gamma), [low, high])
     }

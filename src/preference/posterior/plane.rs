@@ -5,7 +5,7 @@
 //! from pairs of segments: a step of one is multiplied by the value of the other at its place. Every pair is
 //! compared once, so rounding at a crossing changes the two products consistently.
 
-use super::line::{Line, Sides};
+use super::line::{GammaLine, Sides};
 use crate::preference::rule::Rule;
 use crate::preference::strips::{Domain, Outline};
 use serde::{Deserialize, Serialize};
@@ -50,7 +50,7 @@ pub(super) struct Segment {
 
 impl Segment {
     /// The part of this segment between two gammas.
-    fn part(&self, from: f64, to: f64, line: &Line, domain: &Domain) -> Self {
+    fn part(&self, from: f64, to: f64, line: &GammaLine, domain: &Domain) -> Self {
         if (from, to) == (self.from, self.to) {
             *self
         } else {
@@ -65,7 +65,7 @@ impl Segment {
 
     /// One segment in place of this one and the next on the line, if that changes no probability by more than
     /// `least`.
-    fn joined(&self, next: &Self, least: f64, line: &Line, domain: &Domain) -> Option<Self> {
+    fn joined(&self, next: &Self, least: f64, line: &GammaLine, domain: &Domain) -> Option<Self> {
         let change = (self.step - next.step).abs() + (self.below - next.below).abs();
         let [first, second] = [self.gammas(), next.gammas()];
         let is_near =
@@ -77,7 +77,7 @@ impl Segment {
     }
 
     /// The segment with its probabilities.
-    pub fn weighed(self, line: &Line, domain: &Domain) -> Self {
+    pub fn weighed(self, line: &GammaLine, domain: &Domain) -> Self {
         let under = line.mass(self.from, self.to);
         Self { above: domain.gamma.cdf(self.to) - domain.gamma.cdf(self.from) - under, under, ..self }
     }
@@ -87,7 +87,7 @@ impl Segment {
 #[derive(Debug, Clone)]
 pub(super) struct Plane {
     /// The first line is the least alpha, over the whole range of gamma.
-    pub lines: Vec<Line>,
+    pub lines: Vec<GammaLine>,
     /// Segments of the first line fill the range of gamma and come first, in order.
     pub segments: Vec<Segment>,
     pieces: Vec<Piece>,
@@ -104,7 +104,7 @@ pub(super) struct Plane {
 /// A border of the function that the density is multiplied by.
 #[derive(Debug, Clone, Copy)]
 struct Piece {
-    line: Line,
+    line: GammaLine,
     from: f64,
     to: f64,
     below: f64,
@@ -126,7 +126,7 @@ impl Plane {
             crossings: Vec::with_capacity(4 * MAX_STEPS),
             places: Vec::with_capacity(MAX_STEPS),
         };
-        plane.lines.push(Line::constant(rule, [from, to], domain.alpha.lower(), domain));
+        plane.lines.push(GammaLine::constant(rule, [from, to], domain.alpha.lower(), domain));
         let whole = Segment { line: 0, from, to, below: 0.0, step: 1.0, above: 0.0, under: 0.0 };
         plane.segments.push(whole.weighed(&plane.lines[0], domain));
         plane
@@ -256,7 +256,7 @@ impl Plane {
             let [below, above] = border.options.map(|option| factors[option]);
             if below != above {
                 let [from, to] = border.gamma;
-                let line = Line::of(border, rule);
+                let line = GammaLine::of(border, rule);
                 self.pieces.push(Piece { line, from, to, below, step: above - below, is_base: false });
             }
         }
@@ -313,7 +313,7 @@ impl Plane {
     }
 
     /// Probability between two gammas and below a line. `line_mass` is the prior's up to a gamma.
-    pub fn mass_below(&self, line: &Line, line_mass: impl Fn(f64) -> f64, range: [f64; 2]) -> f64 {
+    pub fn mass_below(&self, line: &GammaLine, line_mass: impl Fn(f64) -> f64, range: [f64; 2]) -> f64 {
         let mut mass = 0.0;
         for run in self.by_line() {
             let own = &self.lines[run[0].line as usize];
@@ -388,7 +388,7 @@ fn is_least(change: f64, gammas: f64, least: f64) -> bool {
 }
 
 /// Where the segments of a line lie below another line, and where above it, in a range of gamma.
-fn overlap(run: &[Segment], own: &Line, other: &Line, [from, to]: [f64; 2]) -> Sides {
+fn overlap(run: &[Segment], own: &GammaLine, other: &GammaLine, [from, to]: [f64; 2]) -> Sides {
     let (from, to) = (from.max(run[0].from), to.min(run[run.len() - 1].to));
     if from < to { own.sides(other, from, to) } else { Sides::none() }
 }

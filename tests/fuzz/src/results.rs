@@ -1,14 +1,14 @@
 //! Tables: of participants, and of results.
 
 use crate::file;
-use cocarry_studies::fit::{AnswerFile, Kind, SwitchFile};
+use cocarry_studies::fit::{AnswerFile, EvidenceKind, SwitchFile};
 use cocarry_studies::study::{Comparing, Results, Summary};
 
 pub fn answers(bytes: &[u8]) {
     let file = file("answers.csv", bytes);
-    match Kind::of(&file) {
-        Ok(Kind::Answers) => drop(AnswerFile::read(&file)),
-        Ok(Kind::Switches) => drop(SwitchFile::read(&file)),
+    match EvidenceKind::of(&file) {
+        Ok(EvidenceKind::Answers) => drop(AnswerFile::read(&file)),
+        Ok(EvidenceKind::Switches) => drop(SwitchFile::read(&file)),
         Err(_) => {}
     }
 }

@@ -1,7 +1,7 @@
 //! The seeds of each reader: sound files, small, with chunks that are not packed and no checksums.
 
 use crate::maps::{YAML, graymap};
-use cocarry::episode::Settings;
+use cocarry::episode::EpisodeSettings;
 use cocarry::human::{HumanDecision, Stance};
 use cocarry::scenario::{Plant, Scenario};
 use cocarry::world::World;
@@ -20,7 +20,7 @@ const STUDY: &str = "worlds = [\"environment-1\", \"environment-4\"]\nplants = \
 /// A scenario of a point.
 fn scenario() -> Scenario {
     let world = World::find(Path::new("environment-4"), "environment-4").expect("a world");
-    let settings = Settings { tick_limit: Some(3), ..Settings::default() };
+    let settings = EpisodeSettings { tick_limit: Some(3), ..EpisodeSettings::default() };
     Scenario { seed: 1, world: world.into(), settings, plant: Plant::Point, ..Scenario::defaults() }
 }
 

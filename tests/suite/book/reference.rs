@@ -2,8 +2,8 @@
 
 use super::{read, settle};
 use cocarry::quantities::{
-    BASE, CONTROL, COORDINATION, COST, EPISODE, INTERACTION, JOINTS, Kind, OPTION, OPTIONS, PREPARATION,
-    Quantity, STEP, TIME,
+    BASE, CONTROL, COORDINATION, COST, EPISODE, INTERACTION, JOINTS, OPTION, OPTIONS, PREPARATION, Quantity,
+    QuantityKind, STEP, TIME,
 };
 use cocarry::scenario::{Applies, SETTINGS, Scenario};
 use std::process::Command;
@@ -117,26 +117,26 @@ fn listed<Getter>(quantities: &[Quantity<Getter>]) -> String {
     let mut text = table(&["column", "unit", "meaning"]);
     for quantity in quantities {
         let (unit, fields) = match quantity.kind {
-            Kind::Number(unit) => (unit, None),
-            Kind::Count => ("whole number", None),
-            Kind::Text => ("text", None),
-            Kind::Flag => ("true or false", None),
-            Kind::Numbers => ("list of numbers", None),
-            Kind::Record(fields) => ("record", Some(fields())),
-            Kind::List(fields) => ("list of records", Some(fields())),
+            QuantityKind::Number(unit) => (unit, None),
+            QuantityKind::Count => ("whole number", None),
+            QuantityKind::Text => ("text", None),
+            QuantityKind::Flag => ("true or false", None),
+            QuantityKind::Numbers => ("list of numbers", None),
+            QuantityKind::Record(fields) => ("record", Some(fields())),
+            QuantityKind::List(fields) => ("list of records", Some(fields())),
         };
         text += &row(&[&format!("`{}`", quantity.key), unit, quantity.description]);
         // those of options have a table of their own
         let fields = fields.filter(|_| quantity.key != "options");
         for field in fields.into_iter().flatten() {
             let unit = match field.kind {
-                Kind::Number("") => "number",
-                Kind::Number(unit) => unit,
-                Kind::Count => "integer",
-                Kind::Text => "string",
-                Kind::Flag => "boolean",
-                Kind::Numbers | Kind::List(_) => "array",
-                Kind::Record(_) => "object",
+                QuantityKind::Number("") => "number",
+                QuantityKind::Number(unit) => unit,
+                QuantityKind::Count => "integer",
+                QuantityKind::Text => "string",
+                QuantityKind::Flag => "boolean",
+                QuantityKind::Numbers | QuantityKind::List(_) => "array",
+                QuantityKind::Record(_) => "object",
             };
             text += &row(&[&format!("`{}.{}`", quantity.key, field.name), unit, field.description]);
         }

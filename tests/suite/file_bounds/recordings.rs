@@ -5,7 +5,7 @@ use crate::forged_snapshots::{closed, opened};
 use crate::limits::{attachment, channel, message, packed};
 use crate::recording::{MAGIC, encoded, example, rapier, record, unpacked};
 use cbor4ii::core::Value;
-use cocarry::episode::Settings;
+use cocarry::episode::EpisodeSettings;
 use cocarry::scenario::{Plant, Scenario, WorldText};
 
 /// As much as a recording may unpack to: its first half is an attachment, from which the other half's length
@@ -72,7 +72,7 @@ fn with_attachment(whole: &[u8], name: &str, data: &[u8]) -> Vec<u8> {
 
 fn short(plant: Plant) -> (Scenario, Vec<u8>) {
     let scenario = example(plant);
-    let settings = Settings { tick_limit: Some(2), ..scenario.settings };
+    let settings = EpisodeSettings { tick_limit: Some(2), ..scenario.settings };
     let scenario = Scenario { settings, ..scenario };
     (scenario.clone(), unpacked(&encoded(scenario, |_| {}).0))
 }
@@ -147,8 +147,10 @@ fn kind(item: &Value) -> String {
 }
 
 pub(super) fn snapshots(bench: Bench) {
-    let scenario =
-        Scenario { settings: Settings { tick_limit: Some(3), ..Settings::default() }, ..example(rapier()) };
+    let scenario = Scenario {
+        settings: EpisodeSettings { tick_limit: Some(3), ..EpisodeSettings::default() },
+        ..example(rapier())
+    };
     let of = |scenario: &Scenario| {
         let prepared = scenario.clone().prepare().unwrap();
         let mut episode = prepared.episode().unwrap();

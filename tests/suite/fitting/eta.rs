@@ -3,7 +3,7 @@
 use super::{File, refused};
 use crate::support::{cocarry, json, stdout};
 use cocarry::coordination;
-use cocarry::episode::{Episode, Settings, run};
+use cocarry::episode::{Episode, EpisodeSettings, run};
 use cocarry::math;
 use cocarry::options::OptionSet;
 use cocarry::policy::Method;
@@ -17,8 +17,9 @@ use serde_json::Value;
 
 /// The step at which a human of this eta takes over from a robot that knows it.
 fn transition(set: &OptionSet, eta: f64) -> Option<u64> {
-    let coordination = coordination::Settings { eta, ..coordination::Settings::default() };
-    let settings = Settings { coordination, method: Method::MUTUAL, ..Settings::default() };
+    let coordination =
+        coordination::StubbornnessSettings { eta, ..coordination::StubbornnessSettings::default() };
+    let settings = EpisodeSettings { coordination, method: Method::MUTUAL, ..EpisodeSettings::default() };
     run(set, &settings, EXAMPLE_HUMAN, |_| ()).transition.map(|t| t.step)
 }
 
@@ -68,7 +69,7 @@ fn eta_is_recovered_from_videos_of_single_options() {
         let set = OptionSet::new(&environment.world().unwrap(), 10.0).unwrap();
         for (o, option) in set.options().iter().enumerate() {
             let Some(Guidance::Option { discomfort, .. }) =
-                Guidance::along_option(&set, &Settings::default(), o)
+                Guidance::along_option(&set, &EpisodeSettings::default(), o)
             else {
                 panic!("{} has no way", option.name)
             };
@@ -91,7 +92,7 @@ fn eta_is_recovered_from_videos_of_single_options() {
 
 #[test]
 fn the_discomfort_of_a_video_is_that_of_an_episode() {
-    let settings = Settings { method: Method::ROBOT_LED, ..Settings::default() };
+    let settings = EpisodeSettings { method: Method::ROBOT_LED, ..EpisodeSettings::default() };
     let mut compared = 0;
     for environment in &ENVIRONMENTS {
         let set = OptionSet::new(&environment.world().unwrap(), 10.0).unwrap();

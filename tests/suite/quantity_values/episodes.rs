@@ -6,7 +6,7 @@ use super::*;
 fn closed_form_every_quantity_of_an_episode_with_bodies() {
     let robot = Robot::built_in().unwrap_or_else(|e| panic!("{e}"));
     let plant = scenario::Plant::Rapier { setup: setup(&robot), physics: PhysicsSettings::default() };
-    let prepared = prepared(plant, Settings::default());
+    let prepared = prepared(plant, EpisodeSettings::default());
     let mut episode = told(&prepared, ToldPlant::new(&robot));
     let mut errors = Vec::new();
     let mut tracking = 0.0;
@@ -118,7 +118,7 @@ fn closed_form_every_quantity_of_an_episode_with_bodies() {
 fn closed_form_what_broke_is_named() {
     let robot = Robot::built_in().unwrap_or_else(|e| panic!("{e}"));
     let plant = scenario::Plant::Rapier { setup: setup(&robot), physics: PhysicsSettings::default() };
-    let prepared = prepared(plant, Settings::default());
+    let prepared = prepared(plant, EpisodeSettings::default());
     let not_finite = Failure::NonFinite { body: "torso".to_owned() };
     for (failure, outcome, said) in [
         (not_finite, Outcome::NonFinite, "torso stopped being a number"),
@@ -135,7 +135,7 @@ fn closed_form_what_broke_is_named() {
 /// A human who leads changes the option at step 3: the executed option follows.
 #[test]
 fn closed_form_changes_of_the_executed_option_are_counted() {
-    let mut scenario = prepared(scenario::Plant::Point, Settings::default()).scenario().clone();
+    let mut scenario = prepared(scenario::Plant::Point, EpisodeSettings::default()).scenario().clone();
     scenario.settings.method = "human-led".parse().unwrap_or_else(|e| panic!("{e}"));
     scenario.human_model = "scripted(0:near,3:far,5:near,6:far)".parse().unwrap_or_else(|e| panic!("{e}"));
     let prepared = scenario.prepare().unwrap_or_else(|e| panic!("{e}"));

@@ -7,7 +7,7 @@ mod steps;
 
 use cocarry::control::{Failure as MpcFailure, HORIZON, PoseOptimiser, Reference, SolveOutcome};
 use cocarry::controller::{Controller, DecisionBasis, Way};
-use cocarry::episode::{Episode, Outcome, Settings};
+use cocarry::episode::{Episode, EpisodeSettings, Outcome};
 use cocarry::geometry::{PlanarPose, Point};
 use cocarry::human::{Human, HumanDecision, HumanView, PreferenceChange, Stance};
 use cocarry::learning;
@@ -16,7 +16,7 @@ use cocarry::plant::{Command, HumanMotion, Plant, Preparation, Seen};
 use cocarry::policy::{Decision, RobotPolicy, RobotView};
 use cocarry::preference::{ChoiceDistribution, Perception};
 use cocarry::quantities::{
-    self, CONTROL, EPISODE, Fields, Heading, Kind, LEARNED, PREPARATION, Quantity, TICK, View,
+    self, CONTROL, EPISODE, Fields, Heading, LEARNED, PREPARATION, Quantity, QuantityKind, TICK, View,
 };
 use cocarry::robot::{Configuration, InputJacobian, InputVector, JointVector, Robot};
 use cocarry::saved::{RestoreError, Saved};
@@ -306,7 +306,7 @@ fn setup(robot: &Robot) -> RobotSetup {
     setup
 }
 
-fn prepared(plant: scenario::Plant, settings: Settings) -> PreparedScenario {
+fn prepared(plant: scenario::Plant, settings: EpisodeSettings) -> PreparedScenario {
     let world = World::parse("two.toml", WORLD).unwrap_or_else(|e| panic!("{e}"));
     let scenario = Scenario { human: HUMAN, settings, ..Scenario::new(world.into(), plant) };
     scenario.prepare().unwrap_or_else(|e| panic!("{e}"))
@@ -330,7 +330,7 @@ fn read(view: &View<'_>, tables: &[&[Quantity]]) -> Map<String, Value> {
     values.collect()
 }
 
-fn is_of(value: &quantities::Value, kind: Kind) -> bool {
+fn is_of(value: &quantities::Value, kind: QuantityKind) -> bool {
     use quantities::Value;
     let is_record = |fields: &Fields, headings: Vec<Heading>| {
         fields.iter().all(|(key, value)| {
@@ -339,13 +339,13 @@ fn is_of(value: &quantities::Value, kind: Kind) -> bool {
     };
     match (value, kind) {
         (Value::Missing, _)
-        | (Value::Number(_), Kind::Number(_))
-        | (Value::Count(_), Kind::Count)
-        | (Value::Text(_), Kind::Text)
-        | (Value::Flag(_), Kind::Flag)
-        | (Value::Numbers(_), Kind::Numbers) => true,
-        (Value::Record(fields), Kind::Record(headings)) => is_record(fields, headings()),
-        (Value::List(records), Kind::List(headings)) => {
+        | (Value::Number(_), QuantityKind::Number(_))
+        | (Value::Count(_), QuantityKind::Count)
+        | (Value::Text(_), QuantityKind::Text)
+        | (Value::Flag(_), QuantityKind::Flag)
+        | (Value::Numbers(_), QuantityKind::Numbers) => true,
+        (Value::Record(fields), QuantityKind::Record(headings)) => is_record(fields, headings()),
+        (Value::List(records), QuantityKind::List(headings)) => {
             records.iter().all(|fields| is_record(fields, headings()))
         }
         _ => false,

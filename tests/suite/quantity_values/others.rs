@@ -9,7 +9,8 @@ fn closed_form_inputs_have_the_names_of_their_drive_and_joints() {
     for (name, base) in [("omni-carrier", 3), ("porter", 2)] {
         let robot = Robot::load(&repository(&format!("assets/robots/{name}.toml")));
         let robot = robot.unwrap_or_else(|e| panic!("{e}"));
-        let prepared = prepared(scenario::Plant::Kinematic { setup: setup(&robot) }, Settings::default());
+        let prepared =
+            prepared(scenario::Plant::Kinematic { setup: setup(&robot) }, EpisodeSettings::default());
         let builder = prepared.builder().unwrap_or_else(|e| panic!("{e}"));
         let mut episode =
             builder.with_controller(ToldController::new()).begin().unwrap_or_else(|e| panic!("{e}"));
@@ -41,7 +42,10 @@ fn closed_form_inputs_have_the_names_of_their_drive_and_joints() {
 /// in eta.
 #[test]
 fn closed_form_what_was_learned_of_nothing_is_the_prior() {
-    let settings = Settings { learning: Some(learning::Settings::default()), ..Settings::default() };
+    let settings = EpisodeSettings {
+        learning: Some(learning::LearningSettings::default()),
+        ..EpisodeSettings::default()
+    };
     let prepared = prepared(scenario::Plant::Point, settings);
     let episode = prepared.episode().unwrap_or_else(|e| panic!("{e}"));
     let learned = read(&View::new(&prepared, &episode), &[LEARNED]);
@@ -87,7 +91,7 @@ fn closed_form_what_was_learned_of_nothing_is_the_prior() {
 fn closed_form_the_vertical_sway_is_half_the_lateral_one() {
     let robot = Robot::built_in().unwrap_or_else(|e| panic!("{e}"));
     let plant = scenario::Plant::Rapier { setup: setup(&robot), physics: PhysicsSettings::default() };
-    let mut scenario = prepared(plant, Settings::default()).scenario().clone();
+    let mut scenario = prepared(plant, EpisodeSettings::default()).scenario().clone();
     scenario::SWAY.set(&mut scenario, &scenario::Value::Number(0.034));
     let human = scenario.plant.physics().expect("bodies").human;
     assert_eq!((human.sway_lateral, human.sway_vertical), (0.034, 0.017));

@@ -6,7 +6,7 @@ use super::*;
 fn closed_form_every_quantity_of_a_step_with_bodies() {
     let robot = Robot::built_in().unwrap_or_else(|e| panic!("{e}"));
     let plant = scenario::Plant::Rapier { setup: setup(&robot), physics: PhysicsSettings::default() };
-    let prepared = prepared(plant, Settings::default());
+    let prepared = prepared(plant, EpisodeSettings::default());
     let mut episode = told(&prepared, ToldPlant::new(&robot));
     assert_eq!(episode.step(), None);
     let tick = read(&View::new(&prepared, &episode), &TICK);
@@ -139,7 +139,7 @@ fn closed_form_every_quantity_of_a_step_with_bodies() {
 fn closed_form_every_quantity_of_an_option() {
     let robot = Robot::built_in().unwrap_or_else(|e| panic!("{e}"));
     let plant = scenario::Plant::Rapier { setup: setup(&robot), physics: PhysicsSettings::default() };
-    let prepared = prepared(plant, Settings::default());
+    let prepared = prepared(plant, EpisodeSettings::default());
     let mut episode = told(&prepared, ToldPlant::new(&robot));
     for _ in 0..2 {
         assert_eq!(episode.step(), None);
@@ -172,7 +172,7 @@ fn closed_form_every_quantity_of_an_option() {
 fn closed_form_the_preparation_of_a_step() {
     let robot = Robot::built_in().unwrap_or_else(|e| panic!("{e}"));
     let plant = scenario::Plant::Rapier { setup: setup(&robot), physics: PhysicsSettings::default() };
-    let prepared = prepared(plant, Settings::default());
+    let prepared = prepared(plant, EpisodeSettings::default());
     let mut episode = told(&prepared, ToldPlant::new(&robot));
     for _ in 0..2 {
         assert_eq!(episode.step(), None);

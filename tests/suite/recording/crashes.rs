@@ -3,7 +3,7 @@
 
 use super::{example, messages, path, rapier};
 use crate::support::{cocarry, json, stderr};
-use cocarry::episode::Settings;
+use cocarry::episode::EpisodeSettings;
 use cocarry::scenario::Scenario;
 use cocarry_recording::recording::{FileRecorder, Reader, recover};
 use rand::RngExt;
@@ -169,7 +169,7 @@ fn a_killed_run_leaves_all_but_the_last_second() {
 fn what_a_crash_leaves_is_at_most_a_second_behind() {
     let folder = tempfile::tempdir().unwrap();
     let scenario = example(rapier());
-    let settings = Settings { tick_limit: Some(17), ..scenario.settings };
+    let settings = EpisodeSettings { tick_limit: Some(17), ..scenario.settings };
     let prepared = Scenario { settings, ..scenario }.prepare().unwrap();
     let mut episode = prepared.episode().unwrap();
     let file = folder.path().join("r.mcap");

@@ -8,7 +8,7 @@ mod replays;
 mod written;
 
 use crate::support::repository;
-use cocarry::episode::{Episode, Settings};
+use cocarry::episode::{Episode, EpisodeSettings};
 use cocarry::robot::Robot;
 use cocarry::scenario::{Plant, RobotSetup, Scenario};
 use cocarry::simulation::PhysicsSettings;
@@ -22,7 +22,7 @@ use std::path::Path;
 /// The human of the example in Environment 4.
 pub fn example(plant: Plant) -> Scenario {
     let world = World::load(&repository("worlds/environment-4.toml")).expect("a world");
-    let settings = Settings::default();
+    let settings = EpisodeSettings::default();
     Scenario {
         seed: 1,
         world: world.into(),
@@ -93,7 +93,7 @@ pub fn short() -> Vec<u8> {
 
 pub fn short_on(plant: Plant) -> Vec<u8> {
     let scenario = example(plant);
-    let settings = Settings { tick_limit: Some(12), ..scenario.settings };
+    let settings = EpisodeSettings { tick_limit: Some(12), ..scenario.settings };
     encoded(Scenario { settings, ..scenario }, |_| {}).0
 }
 

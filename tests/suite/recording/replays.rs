@@ -2,7 +2,7 @@
 
 use super::{carrier, chunks, encoded, example, path, rapier, short, unpacked};
 use crate::support::{cocarry, json, stderr, stdout};
-use cocarry::episode::{PreferenceChange, Settings};
+use cocarry::episode::{EpisodeSettings, PreferenceChange};
 use cocarry::policy::Method;
 use cocarry::preference::Perception;
 use cocarry::scenario::{Plant, Scenario};
@@ -39,7 +39,8 @@ fn a_human_who_changes_their_mind_replays_and_is_told() {
     let change = |step, alpha| PreferenceChange { step, perception: Perception { alpha, gamma: 1.1 } };
     for plant in [Plant::Point, Plant::Kinematic { setup: carrier() }, rapier()] {
         let scenario = example(plant);
-        let settings = Settings { method: Method::HUMAN_LED, tick_limit: Some(60), ..scenario.settings };
+        let settings =
+            EpisodeSettings { method: Method::HUMAN_LED, tick_limit: Some(60), ..scenario.settings };
         let changes = vec![change(30, 0.5), change(10, 0.6), change(10, 0.95), change(60, 0.5)];
         let (bytes, written) = encoded(Scenario { settings, changes, ..scenario }, |_| {});
         let again = replayed(&bytes);

@@ -10,8 +10,8 @@ mod tests;
 use crate::carry::carry_scenario;
 use crate::order::{Trial, orders};
 use crate::store::StoredSession;
-use crate::study::{SUBSCALES, ScaleKind, Study, StudyWorld};
-use cocarry::episode::Settings;
+use crate::study::{PeopleStudy, SUBSCALES, ScaleKind, StudyWorld};
+use cocarry::episode::EpisodeSettings;
 use cocarry::scenario::{EpisodeLog, Scenario};
 use cocarry_studies::fit::{Executed, Guidance, Switch as Episode};
 use serde::Deserialize;
@@ -103,7 +103,7 @@ pub struct CollectedCarry {
 }
 
 /// The tables of these sessions: of those that are finished, or of all. Equal sessions give equal bytes.
-pub fn collect(study: &Study, sessions: &[StoredSession], with_unfinished: bool) -> Collected {
+pub fn collect(study: &PeopleStudy, sessions: &[StoredSession], with_unfinished: bool) -> Collected {
     let orders = orders(study);
     let mut collecting = Collecting {
         study,
@@ -137,7 +137,7 @@ pub fn collect(study: &Study, sessions: &[StoredSession], with_unfinished: bool)
 }
 
 struct Collecting<'a> {
-    study: &'a Study,
+    study: &'a PeopleStudy,
     answers: Table,
     switches: Table,
     participants: Table,
@@ -315,7 +315,8 @@ impl Collecting<'_> {
     ) -> Result<(), String> {
         let world = self.world(&switch.world)?;
         let option = world.options.iter().position(|name| *name == switch.option);
-        let walk = option.and_then(|option| Guidance::along_option(&world.set, &Settings::default(), option));
+        let walk =
+            option.and_then(|option| Guidance::along_option(&world.set, &EpisodeSettings::default(), option));
         let Some(walk) = walk else {
             return Err(format!("{:?} is not an option of {}", switch.option, switch.world));
         };
@@ -391,7 +392,7 @@ fn seconds(ms: f64) -> String {
 }
 
 /// World and method of the episode that the scales on a page are about; empty at the end of the study.
-fn carry_before<'s>(study: &'s Study, pages: &[Trial], trial: u32) -> [&'s str; 2] {
+fn carry_before<'s>(study: &'s PeopleStudy, pages: &[Trial], trial: u32) -> [&'s str; 2] {
     let Some(before) = pages.get(..=trial as usize) else { return ["", ""] };
     let is_after = |scale: usize| study.scales[scale].is_after_carry;
     if !matches!(before.last(), Some(Trial::Scale { scale }) if is_after(*scale)) {

@@ -1,6 +1,6 @@
 //! The tables that are written: their columns, the dictionary of these, and the README beside them.
 
-use crate::study::{SUBSCALES, Scale, ScaleKind, Study};
+use crate::study::{PeopleStudy, SUBSCALES, Scale, ScaleKind};
 use cocarry_studies::table::text_cell;
 use std::fmt::Write;
 
@@ -144,7 +144,7 @@ pub fn carries_table(rows: impl IntoIterator<Item = [String; CARRIES.len()]>) ->
 }
 
 /// What every column means.
-pub(super) fn dictionary(study: &Study) -> (String, Vec<u8>) {
+pub(super) fn dictionary(study: &PeopleStudy) -> (String, Vec<u8>) {
     const COLUMNS: [Column; 4] =
         [("file", "", ""), ("column", "", ""), ("unit", "", ""), ("meaning", "", "")];
     let mut table = Table::new("dictionary.csv", &COLUMNS);
@@ -177,7 +177,7 @@ fn subscale_rows(scale: &Scale) -> Vec<Vec<String>> {
     rows.collect()
 }
 
-pub(super) fn readme(study: &Study, participants: usize, left_out: &[String]) -> String {
+pub(super) fn readme(study: &PeopleStudy, participants: usize, left_out: &[String]) -> String {
     let people = if participants == 1 { "participant" } else { "participants" };
     let mut text = format!(
         "# {}\n\nAnswers of {participants} {people}, written by cocarry {}. Every participant has a pseudonym; who they are is in \

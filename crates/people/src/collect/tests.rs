@@ -7,10 +7,10 @@ use crate::store::Store;
 use crate::study::TEMPLATE;
 use serde_json::{Map, json};
 
-fn study(folder: &std::path::Path) -> Study {
+fn study(folder: &std::path::Path) -> PeopleStudy {
     let file = folder.join("study.toml");
     std::fs::write(&file, TEMPLATE).unwrap();
-    Study::read(&file).unwrap()
+    PeopleStudy::read(&file).unwrap()
 }
 
 fn file<'a>(collected: &'a Collected, name: &str) -> &'a str {

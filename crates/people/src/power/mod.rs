@@ -8,9 +8,9 @@ mod tests;
 pub use page::power_document;
 
 use crate::simulate::{chosen, drawn, stop};
-use crate::study::{Study, StudyWorld};
+use crate::study::{PeopleStudy, StudyWorld};
 use cocarry::Error;
-use cocarry::episode::Settings;
+use cocarry::episode::EpisodeSettings;
 use cocarry::learning::standard_normal;
 use cocarry::preference::RISK_WEIGHT;
 use cocarry_studies::fit::{
@@ -139,7 +139,7 @@ pub struct PowerRow {
 /// # Errors
 /// The study has no world for it.
 pub fn power(
-    study: &Study,
+    study: &PeopleStudy,
     effect: Effect,
     settings: &PowerSettings,
     on_done: OnDone,
@@ -154,7 +154,7 @@ pub fn power(
     let row = |(at, participants): (usize, &u64)| {
         let studies = simulated.len();
         let widths: Vec<f64> = simulated.iter().filter_map(|study| study[at].width).collect();
-        let is_found = |found: &Found| match effect {
+        let is_found = |found: &SimulatedStudy| match effect {
             Effect::Difference(_) => found.p_value.is_some_and(|p| p < LEVEL / settings.comparisons as f64),
             _ => found.width.is_some_and(|width| width <= effect.size()),
         };
@@ -178,7 +178,7 @@ pub fn power(
 
 /// What a simulated study finds.
 #[derive(Clone, Copy, Debug, Default)]
-struct Found {
+struct SimulatedStudy {
     width: Option<f64>,
     p_value: Option<f64>,
 }
@@ -200,9 +200,9 @@ fn most(settings: &PowerSettings) -> u64 {
     settings.participants.iter().copied().max().unwrap_or(0)
 }
 
-fn etas(worlds: &[StudyWorld], settings: &PowerSettings, on_done: OnDone) -> Vec<Vec<Found>> {
+fn etas(worlds: &[StudyWorld], settings: &PowerSettings, on_done: OnDone) -> Vec<Vec<SimulatedStudy>> {
     let walk = |world: &StudyWorld, option: usize| {
-        let walk = Guidance::along_option(&world.set, &Settings::default(), option)?;
+        let walk = Guidance::along_option(&world.set, &EpisodeSettings::default(), option)?;
         Some((world.name.clone(), Executed::Option(world.options[option].clone()), walk))
     };
     let walks: Vec<_> = worlds
@@ -227,7 +227,7 @@ fn etas(worlds: &[StudyWorld], settings: &PowerSettings, on_done: OnDone) -> Vec
         }
         let width = |participants: &u64| {
             let fit = fit_eta(&switches[..*participants as usize * walks.len()]);
-            Found { width: fit.median_interval.map(|[low, high]| high - low), p_value: None }
+            SimulatedStudy { width: fit.median_interval.map(|[low, high]| high - low), p_value: None }
         };
         settings.participants.iter().map(width).collect()
     })
@@ -239,9 +239,11 @@ fn perceptions(
     which: usize,
     settings: &PowerSettings,
     on_done: OnDone,
-) -> Result<Vec<Vec<Found>>, Error> {
-    let model =
-        InferenceModel { belief: Settings::default().predictor.belief().clone(), risk_weight: RISK_WEIGHT };
+) -> Result<Vec<Vec<SimulatedStudy>>, Error> {
+    let model = InferenceModel {
+        belief: EpisodeSettings::default().predictor.belief().clone(),
+        risk_weight: RISK_WEIGHT,
+    };
     let situations = worlds.iter().map(|world| Situation::new(world.name.clone(), &world.set)).collect();
     let inferred = ChosenWorlds::new(situations, &model, &InferenceSettings::default())?;
     let answers = |study: usize| -> Vec<Vec<usize>> {
@@ -266,14 +268,14 @@ fn perceptions(
             all[study][..*participants as usize].iter().for_each(|way| *counts.entry(way).or_default() += 1);
             let people: Vec<_> = counts.into_iter().map(|(way, count)| (known[way], count)).collect();
             let width = inferred.posterior(&people, which).map(|f| f.interval[1] - f.interval[0]);
-            Found { width, p_value: None }
+            SimulatedStudy { width, p_value: None }
         };
         settings.participants.iter().map(width).collect()
     }))
 }
 
 /// Differences within participants: normal, of mean d and standard deviation 1.
-fn differences(d: f64, settings: &PowerSettings, on_done: OnDone) -> Vec<Vec<Found>> {
+fn differences(d: f64, settings: &PowerSettings, on_done: OnDone) -> Vec<Vec<SimulatedStudy>> {
     in_parallel(settings.studies, on_done, |study| {
         let draw = |number: u64| d + standard_normal(&mut person(settings, study, number));
         let values: Vec<f64> = (0..most(settings)).map(draw).collect();
@@ -282,7 +284,7 @@ fn differences(d: f64, settings: &PowerSettings, on_done: OnDone) -> Vec<Vec<Fou
             values[..*participants as usize].iter().for_each(|value| moments.add(*value, value.abs()));
             let paired = Paired::of(&moments, true);
             let width = paired.and_then(|paired| paired.difference.interval).map(|[low, high]| high - low);
-            Found { width, p_value: paired.and_then(|paired| paired.p_value) }
+            SimulatedStudy { width, p_value: paired.and_then(|paired| paired.p_value) }
         };
         settings.participants.iter().map(tested).collect()
     })

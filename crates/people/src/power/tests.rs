@@ -5,11 +5,11 @@ use super::*;
 use crate::study::TEMPLATE;
 use statrs::distribution::{ChiSquared, Continuous, ContinuousCDF, Normal, StudentsT};
 
-fn study() -> Study {
+fn study() -> PeopleStudy {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("study.toml");
     std::fs::write(&file, TEMPLATE).unwrap();
-    Study::read(&file).unwrap()
+    PeopleStudy::read(&file).unwrap()
 }
 
 fn settings(participants: &[u64], studies: usize) -> PowerSettings {

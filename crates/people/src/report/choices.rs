@@ -2,7 +2,7 @@
 
 use super::{MIN_PEOPLE, too_few};
 use cocarry::Error;
-use cocarry::episode::Settings;
+use cocarry::episode::EpisodeSettings;
 use cocarry::preference::ChoiceDistribution;
 use cocarry_output::drawing::{IntervalMarks, IntervalPanel, IntervalRow, intervals};
 use cocarry_studies::fit::Answers;
@@ -62,7 +62,7 @@ pub(super) fn choices(answers: &Answers, resamples: usize, seed: u64, on_done: O
         true => vec![None; people.first().map_or(0, Vec::len)],
         false => bootstrapped(&people, resamples, seed, on_done),
     };
-    let mut predictor = Settings::default().predictor;
+    let mut predictor = EpisodeSettings::default().predictor;
     let mut choice = ChoiceDistribution::default();
     let (mut rows, mut worlds, mut column) = (Vec::new(), Vec::new(), 0);
     for situation in &answers.situations {

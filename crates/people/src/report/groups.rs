@@ -4,7 +4,7 @@ use super::read::StudyPerson;
 
 /// Participants whose figures are given together.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Group {
+pub(super) struct AnalysedGroup {
     /// Its name as the beginning of a key.
     pub key: String,
     /// Its name.
@@ -23,12 +23,12 @@ pub(super) fn flags(people: &[StudyPerson]) -> Vec<String> {
 }
 
 /// All who finished; then those without any flag, and, if there are several, without each.
-pub(super) fn groups(people: &[StudyPerson]) -> Vec<Group> {
+pub(super) fn groups(people: &[StudyPerson]) -> Vec<AnalysedGroup> {
     let of = |key: &str, name: &str, is_in: &dyn Fn(&StudyPerson) -> bool| {
         let members = people.iter().filter(|person| person.is_finished && is_in(person));
         let mut members: Vec<String> = members.map(|person| person.name.clone()).collect();
         members.sort();
-        Group { key: key.to_owned(), name: name.to_owned(), members }
+        AnalysedGroup { key: key.to_owned(), name: name.to_owned(), members }
     };
     let flags = flags(people);
     let mut groups = vec![of("all", "all who finished", &|_| true)];

@@ -2,7 +2,7 @@
 
 use super::Analysis;
 use super::choices::Choices;
-use super::groups::Group;
+use super::groups::AnalysedGroup;
 use super::methods::{Comparison, difference};
 use cocarry::math;
 use cocarry_studies::fit::{EtaFit, Inference, QUANTITIES};
@@ -90,7 +90,7 @@ fn headlines(analysis: &Analysis) -> Vec<Headline> {
 }
 
 /// The headline figures of all groups, a column each.
-pub(super) fn table(groups: &[(Group, Analysis)]) -> Table {
+pub(super) fn table(groups: &[(AnalysedGroup, Analysis)]) -> Table {
     let all: Vec<Vec<Headline>> = groups.iter().map(|(_, analysis)| headlines(analysis)).collect();
     let rows: Vec<&Headline> = all.first().into_iter().flatten().collect();
     let mut columns = Columns::of(&rows).text("figure", "figure", |row| row.name.clone());

@@ -19,7 +19,7 @@ pub use read::{Carried, MEASURES, Measure, StudyPerson, StudyTables};
 
 use choices::Choices;
 use cocarry::Error;
-use cocarry::episode::Settings as EpisodeSettings;
+use cocarry::episode::EpisodeSettings;
 use cocarry::preference::RISK_WEIGHT;
 use cocarry_studies::fit::{
     Answers, EtaFit, Inference, InferenceModel, InferenceSettings, Switch, Switches, fit_eta, infer,
@@ -27,7 +27,7 @@ use cocarry_studies::fit::{
 use cocarry_studies::parallel::OnDone;
 use cocarry_studies::report::{Block, Document};
 use cocarry_studies::table::escaped;
-use groups::{Group, groups};
+use groups::{AnalysedGroup, groups};
 use methods::Comparison;
 
 /// The number of participants that an interval over them, or a test, needs: with 5 pairs, not even the
@@ -82,11 +82,11 @@ pub fn report(
     settings: &ReportSettings,
     on_done: OnDone,
 ) -> Result<Document, Error> {
-    let analysed = |group: Group| {
+    let analysed = |group: AnalysedGroup| {
         let analysis = analysis(&group.members, tables, matched, settings, on_done)?;
         Ok::<_, Error>((group, analysis))
     };
-    let groups: Vec<(Group, Analysis)> =
+    let groups: Vec<(AnalysedGroup, Analysis)> =
         groups(&tables.people).into_iter().map(analysed).collect::<Result<_, _>>()?;
     let all = &groups[0].1;
     let absent = |what: &str| vec![Block::Text(format!("Absent: {what}"))];

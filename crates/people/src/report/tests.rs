@@ -3,11 +3,11 @@
 use crate::collect::collect;
 use crate::order::{Trial, orders};
 use crate::store::StoredSession;
-use crate::study::{Study, TEMPLATE};
+use crate::study::{PeopleStudy, TEMPLATE};
 use serde_json::json;
 
 /// The study of the template with the task `carry`, and the scale `robot` after every carry.
-fn study() -> Study {
+fn study() -> PeopleStudy {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("study.toml");
     let carry = "[carry]\nmethods = [\"mutual\", \"robot-led\"]\ntext = \"Carry.\"\n\n[end]";
@@ -16,7 +16,7 @@ fn study() -> Study {
         .replace("name = \"robot\"", "name = \"robot\"\nafter = \"carry\"")
         .replace("[end]", carry);
     std::fs::write(&file, text).unwrap();
-    Study::read(&file).unwrap()
+    PeopleStudy::read(&file).unwrap()
 }
 
 #[test]

@@ -16,7 +16,7 @@ pub use admin::{Admin, token};
 
 use crate::site::{Site, SiteFile};
 use crate::store::{Begin, Chunk, Fault, Put, Refusal, Store, Writing};
-use crate::study::Study;
+use crate::study::PeopleStudy;
 use answer::{refused, response, sentence};
 use axum::Router;
 use axum::body::{Body, Bytes};
@@ -54,7 +54,7 @@ const POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; 
 /// What is served, and how.
 pub struct Serving {
     /// The study.
-    pub study: Study,
+    pub study: PeopleStudy,
     /// Its page.
     pub site: Site,
     /// Where answers go.
@@ -68,7 +68,7 @@ pub struct Serving {
 struct App {
     files: Vec<(Cow<'static, str>, &'static str, Bytes)>,
     study_sha256: String,
-    study: Arc<Study>,
+    study: Arc<PeopleStudy>,
     writer: Writer,
     begins: Rate,
 }

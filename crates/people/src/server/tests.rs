@@ -4,7 +4,7 @@ use super::*;
 use crate::digest::sha256;
 use crate::site::Sink;
 use crate::store::MAX_CHUNK_BYTES;
-use crate::study::{Study, TEMPLATE};
+use crate::study::{PeopleStudy, TEMPLATE};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use std::io::{Read, Write};
@@ -29,7 +29,7 @@ impl Running {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("study.toml");
         std::fs::write(&file, TEMPLATE).unwrap();
-        let mut study = Study::read(&file).unwrap();
+        let mut study = PeopleStudy::read(&file).unwrap();
         (study.participants, study.end.code) = (2, Some("DONE".to_owned()));
         let site = Site::new(&study, Sink::Server, None).unwrap();
         let store = Store::open(&study.database()).unwrap();

@@ -1,7 +1,8 @@
 //! A study file, read and checked, with its worlds loaded.
 
 use super::{
-    End, MAX_NAME, MAX_PARTICIPANTS, Question, Scale, ScaleKind, Study, StudyWorld, Task, fluency, is_word,
+    End, MAX_NAME, MAX_PARTICIPANTS, PeopleStudy, Question, Scale, ScaleKind, StudyWorld, Task, fluency,
+    is_word,
 };
 use cocarry::bounds;
 use cocarry::error::{Error, Place};
@@ -125,7 +126,7 @@ struct ScaleText {
     after: Option<Spanned<Task>>,
 }
 
-impl Study {
+impl PeopleStudy {
     /// Reads a study file, with the worlds that it names.
     ///
     /// # Errors

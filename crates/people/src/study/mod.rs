@@ -47,7 +47,7 @@ impl Task {
 
 /// A study.
 #[derive(Clone, Debug)]
-pub struct Study {
+pub struct PeopleStudy {
     /// The name of its file.
     pub file: PathBuf,
     /// The title on every page.
@@ -183,7 +183,7 @@ pub struct End {
     pub redirect: Option<String>,
 }
 
-impl Study {
+impl PeopleStudy {
     /// The number of worlds whose answers count: the first ones.
     pub fn measured_worlds(&self) -> usize {
         self.worlds.len() - usize::from(self.has_practice)
@@ -214,7 +214,7 @@ impl Study {
         self.file.with_extension("sqlite")
     }
 
-    /// As [`Study::database`], for simulated participants.
+    /// As [`PeopleStudy::database`], for simulated participants.
     pub fn simulated_database(&self) -> PathBuf {
         self.file.with_extension("simulated.sqlite")
     }

@@ -4,11 +4,11 @@ use super::*;
 use cocarry::Error;
 use cocarry::error::words;
 
-fn read(text: &str) -> Result<Study, Error> {
+fn read(text: &str) -> Result<PeopleStudy, Error> {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("study.toml");
     std::fs::write(&file, text).unwrap();
-    Study::read(&file)
+    PeopleStudy::read(&file)
 }
 
 #[test]

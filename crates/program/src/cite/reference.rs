@@ -8,7 +8,7 @@ const TEXT_WIDTH: usize = 80;
 
 /// The kind of a work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum ReferenceKind {
     Article,
     Preprint,
     Book,
@@ -29,7 +29,7 @@ pub(super) enum Author {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reference<'a> {
     pub key: &'static str,
-    pub kind: Kind,
+    pub kind: ReferenceKind,
     pub authors: &'static [Author],
     pub title: &'static str,
     pub year: Option<u16>,
@@ -58,7 +58,7 @@ impl Reference<'_> {
     /// A work that has only these, to be completed.
     pub const fn new(
         key: &'static str,
-        kind: Kind,
+        kind: ReferenceKind,
         authors: &'static [Author],
         title: &'static str,
         used_for: &'static str,
@@ -96,10 +96,10 @@ impl Reference<'_> {
     /// The entry for BibTeX. Styles from before biblatex know neither software nor versions: a note has them.
     pub fn bibtex(&self) -> String {
         let (entry, within) = match self.kind {
-            Kind::Article => ("article", "journal"),
-            Kind::Book => ("book", ""),
-            Kind::Chapter => ("incollection", "booktitle"),
-            Kind::Preprint | Kind::Software => ("misc", ""),
+            ReferenceKind::Article => ("article", "journal"),
+            ReferenceKind::Book => ("book", ""),
+            ReferenceKind::Chapter => ("incollection", "booktitle"),
+            ReferenceKind::Preprint | ReferenceKind::Software => ("misc", ""),
         };
         let names = |authors: &[Author]| {
             let name = |author: &Author| match author {
@@ -134,11 +134,11 @@ impl Reference<'_> {
     /// The item of CSL-JSON.
     pub fn csl(&self) -> Value {
         let kind = match self.kind {
-            Kind::Article => "article-journal",
-            Kind::Preprint => "article",
-            Kind::Book => "book",
-            Kind::Chapter => "chapter",
-            Kind::Software => "software",
+            ReferenceKind::Article => "article-journal",
+            ReferenceKind::Preprint => "article",
+            ReferenceKind::Book => "book",
+            ReferenceKind::Chapter => "chapter",
+            ReferenceKind::Software => "software",
         };
         let names = |authors: &[Author]| {
             let name = |author: &Author| match author {
@@ -193,7 +193,11 @@ impl Reference<'_> {
         let title = self.plain_title();
         let parts = [
             format!("{}: {title}", names(self.authors)),
-            if self.kind == Kind::Chapter { format!("in {}", self.within) } else { self.within.to_owned() },
+            if self.kind == ReferenceKind::Chapter {
+                format!("in {}", self.within)
+            } else {
+                self.within.to_owned()
+            },
             editors,
             format!("{}{issue}", self.volume),
             self.pages.map(|(first, last)| format!("{first}-{last}")).unwrap_or_default(),
@@ -257,7 +261,7 @@ mod tests {
         doi: "10.1/2_3",
         ..Reference::new(
             "key",
-            Kind::Article,
+            ReferenceKind::Article,
             &[Author::Person("Júdice", "J. J."), Author::Group("A group")],
             "{Clarabel}: a title",
             "what it is for",

@@ -1,6 +1,6 @@
 //! The works that an episode may have used, each with the condition for it.
 
-use super::reference::{Author, Kind, Reference};
+use super::reference::{Author, Reference, ReferenceKind};
 use cocarry::preference::{CONDITIONAL_VALUE_AT_RISK, CUMULATIVE_PROSPECT, RiskPerception};
 use cocarry::scenario::{PlantKind, Scenario};
 
@@ -133,7 +133,7 @@ const PAPER: Reference<'static> = Reference {
     arxiv: "2503.08895",
     ..Reference::new(
         "mahmud2025mutual",
-        Kind::Preprint,
+        ReferenceKind::Preprint,
         &[
             Author::Person("Mahmud", "Al Jaber"),
             Author::Person("Li", "Weizi"),
@@ -146,7 +146,7 @@ const PAPER: Reference<'static> = Reference {
 
 const PROGRAM: Reference<'static> = Reference::new(
     "cocarry",
-    Kind::Software,
+    ReferenceKind::Software,
     &[Author::Group("The cocarry authors")],
     "cocarry: a simulator of human-robot co-transportation",
     "the simulator",
@@ -161,7 +161,7 @@ const PRELEC: Reference<'static> = Reference {
     doi: "10.2307/2998573",
     ..Reference::new(
         "prelec1998probability",
-        Kind::Article,
+        ReferenceKind::Article,
         &[Author::Person("Prelec", "Drazen")],
         "The probability weighting function",
         "perceived risk, eq. (2)",
@@ -177,7 +177,7 @@ const STEVENS: Reference<'static> = Reference {
     doi: "10.1037/h0046162",
     ..Reference::new(
         "stevens1957psychophysical",
-        Kind::Article,
+        ReferenceKind::Article,
         &[Author::Person("Stevens", "Stanley Smith")],
         "On the psychophysical law",
         "perceived distance, eq. (2)",
@@ -193,7 +193,7 @@ const MCFADDEN: Reference<'static> = Reference {
     place: "New York",
     ..Reference::new(
         "mcfadden1974conditional",
-        Kind::Chapter,
+        ReferenceKind::Chapter,
         &[Author::Person("McFadden", "Daniel")],
         "Conditional logit analysis of qualitative choice behavior",
         "humans who choose with Boltzmann's probabilities",
@@ -209,7 +209,7 @@ const TVERSKY: Reference<'static> = Reference {
     doi: "10.1007/BF00122574",
     ..Reference::new(
         "tversky1992advances",
-        Kind::Article,
+        ReferenceKind::Article,
         &[Author::Person("Tversky", "Amos"), Author::Person("Kahneman", "Daniel")],
         "Advances in prospect theory: cumulative representation of uncertainty",
         "humans who perceive risk by cumulative prospect theory",
@@ -225,7 +225,7 @@ const ROCKAFELLAR: Reference<'static> = Reference {
     doi: "10.21314/JOR.2000.038",
     ..Reference::new(
         "rockafellar2000optimization",
-        Kind::Article,
+        ReferenceKind::Article,
         &[Author::Person("Rockafellar", "R. Tyrrell"), Author::Person("Uryasev", "Stanislav")],
         "Optimization of conditional value-at-risk",
         "humans who perceive risk by its conditional value at risk",
@@ -241,7 +241,7 @@ const JUDICE: Reference<'static> = Reference {
     doi: "10.1016/0305-0548(94)90106-6",
     ..Reference::new(
         "judice1994block",
-        Kind::Article,
+        ReferenceKind::Article,
         &[Author::Person("Júdice", "J. J."), Author::Person("Pires", "F. M.")],
         "A block principal pivoting algorithm for large-scale strictly monotone linear complementarity problems",
         "the controller, eq. (7): the first method of its solver",
@@ -254,7 +254,7 @@ const LAWSON: Reference<'static> = Reference {
     doi: "10.1137/1.9781611971217",
     ..Reference::new(
         "lawson1995solving",
-        Kind::Book,
+        ReferenceKind::Book,
         &[Author::Person("Lawson", "Charles L."), Author::Person("Hanson", "Richard J.")],
         "Solving least squares problems",
         "the controller, eq. (7): the second method, where the first does not converge",
@@ -266,7 +266,7 @@ const CLARABEL: Reference<'static> = Reference {
     arxiv: "2405.12762",
     ..Reference::new(
         "goulart2024clarabel",
-        Kind::Preprint,
+        ReferenceKind::Preprint,
         &[Author::Person("Goulart", "Paul J."), Author::Person("Chen", "Yuwen")],
         "{Clarabel}: An interior-point solver for conic programs with quadratic objectives",
         "the controller, eq. (7): the solver where neither method converges",
@@ -277,7 +277,7 @@ const RAPIER: Reference<'static> = Reference {
     url: "https://rapier.rs",
     ..Reference::new(
         "rapier",
-        Kind::Software,
+        ReferenceKind::Software,
         &[Author::Person("Crozet", "Sébastien")],
         "{Rapier}: 2D and 3D physics engines for the {Rust} programming language",
         "the physics of the bodies",
@@ -288,7 +288,7 @@ const PARRY: Reference<'static> = Reference {
     url: "https://parry.rs",
     ..Reference::new(
         "parry",
-        Kind::Software,
+        ReferenceKind::Software,
         &[Author::Person("Crozet", "Sébastien")],
         "{Parry}: 2D and 3D geometric and collision detection libraries",
         "distances and contacts of shapes",

@@ -10,10 +10,10 @@ use crate::settings::number;
 use anyhow::{Context, anyhow};
 use clap::Args;
 use cocarry::coordination;
-use cocarry::episode::Settings;
+use cocarry::episode::EpisodeSettings;
 use cocarry::math;
 use cocarry::scenario::{INITIAL_STUBBORNNESS, PLANNING_STEP, Plant, Scenario};
-use cocarry_studies::fit::{Eta, EtaFit, Kind, SwitchFile, fit_eta};
+use cocarry_studies::fit::{Eta, EtaFit, EvidenceKind, SwitchFile, fit_eta};
 use cocarry_studies::report::{no_interval, tolerances_picture};
 use serde_json::json;
 use std::fmt::Write;
@@ -46,10 +46,10 @@ pub(crate) struct EtaArguments {
     #[command(flatten)]
     model: ModelArguments,
     /// Stubbornness phi(0) at the start, between 0 and 1
-    #[arg(long, value_name = "PHI", default_value_t = coordination::Settings::default().initial_stubbornness, value_parser = number(&INITIAL_STUBBORNNESS), allow_negative_numbers = true)]
+    #[arg(long, value_name = "PHI", default_value_t = coordination::StubbornnessSettings::default().initial_stubbornness, value_parser = number(&INITIAL_STUBBORNNESS), allow_negative_numbers = true)]
     initial_stubbornness: f64,
     /// Planning step in which steps and eta count, in seconds
-    #[arg(long, value_name = "SECONDS", default_value_t = Settings::default().planning_step, value_parser = number(&PLANNING_STEP), allow_negative_numbers = true)]
+    #[arg(long, value_name = "SECONDS", default_value_t = EpisodeSettings::default().planning_step, value_parser = number(&PLANNING_STEP), allow_negative_numbers = true)]
     planning_step: f64,
     /// Draw every participant's episodes and eta into this SVG file
     #[arg(long, value_name = "FILE", value_parser = svg_file)]
@@ -65,15 +65,15 @@ pub(super) fn run_fit_eta(arguments: &EtaArguments) -> Result<(), Failure> {
             "--initial-stubbornness {phi}: it must be less than 1; with 1, every eta switches at the first discomfort"
         )));
     }
-    let path = Kind::Switches.within(&arguments.switches).map_err(input)?;
+    let path = EvidenceKind::Switches.within(&arguments.switches).map_err(input)?;
     let file = SwitchFile::read(&path).map_err(input)?;
     note_similar(file.participants().iter().map(|(name, _)| name.as_str()));
-    let settings = Settings {
+    let settings = EpisodeSettings {
         predictor: arguments.model.predictor()?,
-        coordination: coordination::Settings { initial_stubbornness: phi, ..Default::default() },
+        coordination: coordination::StubbornnessSettings { initial_stubbornness: phi, ..Default::default() },
         predict_while_human_leads: false,
         planning_step: arguments.planning_step,
-        ..Settings::default()
+        ..EpisodeSettings::default()
     };
     let prepared = load(&path, file.worlds(), |world| {
         Scenario { settings: settings.clone(), ..Scenario::new(world.into(), Plant::Point) }.prepare()

@@ -13,7 +13,7 @@ use clap::Args;
 use cocarry::options::OptionSet;
 use cocarry::preference::RISK_WEIGHT;
 use cocarry_studies::fit::{
-    AnswerFile, Answers, CELL_ERROR, Estimate, Kind, LEAST_SQUARES_CAUTION, RiskWeightFit,
+    AnswerFile, Answers, CELL_ERROR, Estimate, EvidenceKind, LEAST_SQUARES_CAUTION, RiskWeightFit,
     RiskWeightSettings, Situation, fit_risk_weight,
 };
 use cocarry_studies::report::answers_picture;
@@ -60,7 +60,7 @@ pub(crate) struct RiskWeightArguments {
 }
 
 pub(super) fn run_fit_risk_weight(arguments: &RiskWeightArguments) -> Result<(), Failure> {
-    let path = Kind::Answers.within(&arguments.answers).map_err(input)?;
+    let path = EvidenceKind::Answers.within(&arguments.answers).map_err(input)?;
     let file = AnswerFile::read(&path).map_err(input)?;
     note_similar(file.participants().iter().map(|(name, _)| name.as_str()));
     let worlds = load(&path, file.worlds(), |world| OptionSet::new(&world, RISK_WEIGHT))?;

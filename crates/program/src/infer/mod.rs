@@ -19,8 +19,8 @@ use cocarry::options::OptionSet;
 use cocarry::scenario::{BELIEF_LAPSE, INITIAL_STUBBORNNESS, PLANNING_STEP, Plant, Scenario};
 use cocarry_recording::recording::{Reader, rerun, scenario};
 use cocarry_studies::fit::{
-    AnswerFile, Answers, InferenceModel, InferenceSettings, Kind, PERCEPTION_UNITS, Situation, Switch,
-    SwitchFile, Switches, Walk, compare_perceptions, infer, infer_means, participants_files,
+    AnswerFile, Answers, EvidenceKind, InferenceModel, InferenceSettings, PERCEPTION_UNITS, Situation,
+    Switch, SwitchFile, Switches, Walk, compare_perceptions, infer, infer_means, participants_files,
 };
 use cocarry_studies::report::people_columns;
 use serde_json::json;
@@ -58,7 +58,7 @@ pub(super) struct InferArguments {
     #[command(flatten)]
     model: ModelArguments,
     /// Probability that an answer or a switch says nothing about its participant
-    #[arg(long, value_name = "RATE", value_parser = number(&BELIEF_LAPSE), allow_negative_numbers = true, default_value_t = learning::Settings::default().lapse_rate)]
+    #[arg(long, value_name = "RATE", value_parser = number(&BELIEF_LAPSE), allow_negative_numbers = true, default_value_t = learning::LearningSettings::default().lapse_rate)]
     lapse_rate: f64,
     /// Median of eta a priori
     #[arg(long, conflicts_with = "means_of", value_name = "ETA", value_parser = of_eta, allow_negative_numbers = true, default_value_t = learning::TolerancePrior::default().median)]
@@ -67,10 +67,10 @@ pub(super) struct InferArguments {
     #[arg(long, conflicts_with = "means_of", value_name = "STD", value_parser = of_eta, allow_negative_numbers = true, default_value_t = learning::TolerancePrior::default().log_std)]
     eta_log_std: f64,
     /// Stubbornness phi(0) at the start, between 0 and 1
-    #[arg(long, value_name = "PHI", default_value_t = coordination::Settings::default().initial_stubbornness, value_parser = number(&INITIAL_STUBBORNNESS), allow_negative_numbers = true)]
+    #[arg(long, value_name = "PHI", default_value_t = coordination::StubbornnessSettings::default().initial_stubbornness, value_parser = number(&INITIAL_STUBBORNNESS), allow_negative_numbers = true)]
     initial_stubbornness: f64,
     /// Planning step in which steps and eta count, in seconds
-    #[arg(long, value_name = "SECONDS", default_value_t = episode::Settings::default().planning_step, value_parser = number(&PLANNING_STEP), allow_negative_numbers = true)]
+    #[arg(long, value_name = "SECONDS", default_value_t = episode::EpisodeSettings::default().planning_step, value_parser = number(&PLANNING_STEP), allow_negative_numbers = true)]
     planning_step: f64,
     /// Take each participant in the answers as the mean of this many people, and infer only their population
     #[arg(long, value_name = "PEOPLE", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
@@ -227,18 +227,18 @@ fn read(arguments: &InferArguments) -> Result<Read, Failure> {
             read.inputs.push(file.clone());
             continue;
         }
-        let kind = Kind::of(file).map_err(input)?;
+        let kind = EvidenceKind::of(file).map_err(input)?;
         let is_second = match kind {
-            Kind::Answers => read.answers.is_some(),
-            Kind::Switches => read.switches.is_some(),
+            EvidenceKind::Answers => read.answers.is_some(),
+            EvidenceKind::Switches => read.switches.is_some(),
         };
         if is_second {
-            let what = if kind == Kind::Answers { "answers" } else { "switches" };
+            let what = if kind == EvidenceKind::Answers { "answers" } else { "switches" };
             return Err(input(anyhow!("{}: a second file of {what}; give one of each kind", file.display())));
         }
         match kind {
-            Kind::Answers => answers(arguments, file, &mut read)?,
-            Kind::Switches => switches(arguments, file, &mut read)?,
+            EvidenceKind::Answers => answers(arguments, file, &mut read)?,
+            EvidenceKind::Switches => switches(arguments, file, &mut read)?,
         }
     }
     let answers = read.answers.iter().flat_map(|answers| &answers.participants);
@@ -266,12 +266,12 @@ fn switches(arguments: &InferArguments, path: &Path, read: &mut Read) -> Result<
         )));
     }
     let file = SwitchFile::read(path).map_err(input)?;
-    let settings = episode::Settings {
+    let settings = episode::EpisodeSettings {
         predictor: arguments.model.predictor()?,
-        coordination: coordination::Settings { initial_stubbornness: phi, ..Default::default() },
+        coordination: coordination::StubbornnessSettings { initial_stubbornness: phi, ..Default::default() },
         predict_while_human_leads: false,
         planning_step: arguments.planning_step,
-        ..episode::Settings::default()
+        ..episode::EpisodeSettings::default()
     };
     let prepared = load(path, file.worlds(), |world| {
         Scenario { settings: settings.clone(), ..Scenario::new(world.into(), Plant::Point) }.prepare()
@@ -303,7 +303,7 @@ fn walk(arguments: &InferArguments, path: &Path) -> Result<Walk, Failure> {
         )));
     }
     let phi = scenario.settings.coordination.initial_stubbornness;
-    let mut observer = HumanObserver::new(learning::Settings::default(), phi)
+    let mut observer = HumanObserver::new(learning::LearningSettings::default(), phi)
         .context(file.clone())
         .map_err(Failure::Input)?;
     rerun(&mut Reader::open(path).map_err(input)?, |episode| observer.observe(episode)).map_err(input)?;
@@ -315,7 +315,7 @@ fn walk(arguments: &InferArguments, path: &Path) -> Result<Walk, Failure> {
 fn of_eta(text: &str) -> Result<f64, String> {
     let number = text.parse().map_err(|_| "must be a number".to_owned())?;
     let tolerance = learning::TolerancePrior { median: number, log_std: number };
-    let settings = learning::Settings { tolerance, ..Default::default() };
+    let settings = learning::LearningSettings { tolerance, ..Default::default() };
     settings.check().map_err(|error| format!("must be {}", error.expected))?;
     Ok(number)
 }

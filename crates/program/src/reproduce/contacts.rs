@@ -5,8 +5,8 @@ use super::super::output::{Failure, examples, input, print, print_json, table_wi
 use super::super::robot::{SwayArguments, sway_of};
 use super::common::Common;
 use clap::Args;
-use cocarry::episode::Settings;
-use cocarry_studies::paper::contacts::{ANGLES, Study, WALKS};
+use cocarry::episode::EpisodeSettings;
+use cocarry_studies::paper::contacts::{ANGLES, ContactStudy, WALKS};
 use cocarry_studies::report::contact_table;
 use serde_json::json;
 
@@ -29,9 +29,13 @@ pub(in super::super) struct ContactsArguments {
 
 pub(super) fn reproduce_contacts(arguments: &ContactsArguments) -> Result<(), Failure> {
     let plant = arguments.sway.plant()?;
-    let settings = Settings::default();
-    let study =
-        Study { plant: &plant, settings: &settings, walks: arguments.walks as usize, seed: arguments.seed };
+    let settings = EpisodeSettings::default();
+    let study = ContactStudy {
+        plant: &plant,
+        settings: &settings,
+        walks: arguments.walks as usize,
+        seed: arguments.seed,
+    };
     let rows = arguments
         .common
         .with_progress(study.units(), "walks", |on_done| study.table(on_done))?

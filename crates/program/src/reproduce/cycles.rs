@@ -7,7 +7,7 @@ use super::common::Common;
 use anyhow::{Context, anyhow};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use cocarry::episode::Settings;
+use cocarry::episode::EpisodeSettings;
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 use cocarry_output::output_file::{OutputError, Outputs};
 use cocarry_studies::paper::cycles::{
@@ -82,7 +82,7 @@ pub(super) fn reproduce_cycles(arguments: &CyclesArguments) -> Result<(), Failur
     };
     let search = Search {
         plant: &plant,
-        settings: &Settings::default(),
+        settings: &EpisodeSettings::default(),
         worlds: arguments.worlds.map_or(default, |n| n as usize),
         seed: arguments.seed,
         placed: arguments.placed,

@@ -7,8 +7,8 @@ use super::super::robot::load_robot;
 use super::common::Common;
 use anyhow::Context;
 use clap::Args;
-use cocarry::episode::Settings;
-use cocarry_studies::paper::h3::guide::{Guide, Study};
+use cocarry::episode::EpisodeSettings;
+use cocarry_studies::paper::h3::guide::{Guide, GuideStudy};
 use cocarry_studies::report::{guide_picture, guide_tables};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -55,9 +55,9 @@ fn price(text: &str) -> Result<f64, String> {
 pub(super) fn reproduce_guide(arguments: &GuideArguments) -> Result<(), Failure> {
     let outputs = arguments.overwrite.outputs([] as [&Path; 0], &arguments.svg)?;
     let prices: Vec<Guide> = arguments.prices.iter().map(|price| Guide::Price { price: *price }).collect();
-    let study = Study {
+    let study = GuideStudy {
         robot: &load_robot(None)?,
-        settings: &Settings::default(),
+        settings: &EpisodeSettings::default(),
         guides: if prices.is_empty() { Guide::ALL } else { &prices },
         episodes: arguments.episodes as usize,
         worlds: arguments.worlds as usize,

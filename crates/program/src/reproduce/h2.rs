@@ -8,7 +8,7 @@ use super::super::settings::plants;
 use super::common::Common;
 use anyhow::{Context, anyhow};
 use clap::Args;
-use cocarry::episode::{Outcome, Settings};
+use cocarry::episode::{EpisodeSettings, Outcome};
 use cocarry::scenario::PlantKind;
 use cocarry_studies::paper;
 use cocarry_studies::paper::h2::{self, ExampleRun, WithBodies};
@@ -50,7 +50,7 @@ pub(super) fn reproduce_h2(arguments: &H2Arguments) -> Result<(), Failure> {
         return Err(input(anyhow!("--humans and --sway need --plant rapier")));
     }
     let outputs = arguments.overwrite.outputs([], &arguments.svg)?;
-    let settings = Settings::default();
+    let settings = EpisodeSettings::default();
     let rows = arguments
         .common
         .with_progress(h2::EPISODES, "Table II", |on_done| h2::table(&settings, arguments.seed, on_done))?
@@ -94,7 +94,8 @@ fn run_with_bodies(arguments: &H2Arguments) -> Result<(), Failure> {
     }
     let plant = arguments.sway.plant()?;
     let humans = arguments.humans.map_or(h2::SAMPLES, |n| n as usize);
-    let study = WithBodies { plant: &plant, settings: &Settings::default(), humans, seed: arguments.seed };
+    let study =
+        WithBodies { plant: &plant, settings: &EpisodeSettings::default(), humans, seed: arguments.seed };
     let rows = arguments
         .common
         .with_progress(h2::units(humans), "Table II with bodies", |on_done| study.table(on_done))?

@@ -9,10 +9,10 @@ use super::super::settings::plants;
 use super::common::Common;
 use anyhow::Context;
 use clap::Args;
-use cocarry::episode::Settings;
+use cocarry::episode::EpisodeSettings;
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 use cocarry::team;
-use cocarry_studies::paper::h3::{EPISODES, Human, PoseMethod, PoseRow, Study, units};
+use cocarry_studies::paper::h3::{EPISODES, Human, PoseMethod, PoseRow, PoseStudy, units};
 use cocarry_studies::report::{Compared, ratio_picture, table_3, table_3_ratios};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -54,7 +54,7 @@ pub(super) fn reproduce_h3(arguments: &H3Arguments) -> Result<(), Failure> {
     let robot = load_robot(arguments.robot.as_deref())?;
     let inputs = [&robot.texts.file, &robot.texts.urdf_file].map(Path::new);
     let outputs = arguments.overwrite.outputs(inputs, files)?;
-    let settings = Settings::default();
+    let settings = EpisodeSettings::default();
     let has_bodies = arguments.plant == PlantKind::Rapier;
     for posture in &robot.postures {
         team::slow_drive(&robot, &posture.joints, settings.speed, has_bodies).iter().for_each(warn);
@@ -65,7 +65,7 @@ pub(super) fn reproduce_h3(arguments: &H3Arguments) -> Result<(), Failure> {
     let starts: Vec<&str> = robot.postures.iter().map(|p| p.name.as_str()).collect();
     let methods = PoseMethod::on(plant.kind());
     let (starts, seed) = (&starts[..], arguments.seed);
-    let study = Study { plant: &plant, starts, methods, episodes, seed, settings: &settings };
+    let study = PoseStudy { plant: &plant, starts, methods, episodes, seed, settings: &settings };
     if let Some(path) = &arguments.humans {
         let humans = study.humans().map_err(input)?;
         write_file(&outputs, path, humans_as_csv(&humans, study.seed).map_err(Failure::Output)?)?;

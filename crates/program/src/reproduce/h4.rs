@@ -6,9 +6,9 @@ use super::super::output::{
 use super::super::robot::load_robot;
 use super::common::Common;
 use clap::Args;
-use cocarry::episode::Settings;
+use cocarry::episode::EpisodeSettings;
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
-use cocarry_studies::paper::h4::{FORGETFUL, HUMANS, RATIONALITY, Study, TASKS, WORLDS};
+use cocarry_studies::paper::h4::{FORGETFUL, HUMANS, LearningStudy, RATIONALITY, TASKS, WORLDS};
 use cocarry_studies::report::{learning_tables, people_table};
 use serde_json::json;
 use std::path::PathBuf;
@@ -41,9 +41,9 @@ pub(in super::super) struct H4Arguments {
 
 pub(super) fn reproduce_h4(arguments: &H4Arguments) -> Result<(), Failure> {
     let outputs = arguments.overwrite.outputs([], &arguments.rows)?;
-    let settings = Settings::default();
+    let settings = EpisodeSettings::default();
     let plant = Plant::new(PlantKind::Kinematic, RobotSetup::new(&load_robot(None)?));
-    let study = Study {
+    let study = LearningStudy {
         settings: &settings,
         plant: &plant,
         humans: arguments.humans as usize,

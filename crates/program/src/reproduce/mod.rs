@@ -15,7 +15,7 @@ pub(super) use common::Common;
 
 use super::output::{Failure, examples, input, print, print_json, table_with_notes};
 use clap::{Args, Subcommand};
-use cocarry::episode::Settings;
+use cocarry::episode::EpisodeSettings;
 use cocarry_studies::paper::h1;
 use cocarry_studies::report::table_1;
 use serde_json::json;
@@ -74,7 +74,7 @@ pub(super) fn run_reproduce(claim: &Claim) -> Result<ExitCode, Failure> {
 }
 
 fn run_h1(arguments: &H1Arguments) -> Result<(), Failure> {
-    let settings = Settings::default();
+    let settings = EpisodeSettings::default();
     let rows = h1::table(&settings.predictor).map_err(input)?;
     let (mean, worst) = h1::differences(&rows);
     if arguments.common.json {

@@ -4,8 +4,8 @@ use super::super::output::{Failure, examples, input, print, print_json, table_wi
 use super::super::robot::{SwayArguments, sway_of};
 use super::common::Common;
 use clap::Args;
-use cocarry::episode::Settings;
-use cocarry_studies::paper::slots::{DEPTHS, OFFSETS_M, Study, WALKS, WIDTHS};
+use cocarry::episode::EpisodeSettings;
+use cocarry_studies::paper::slots::{DEPTHS, OFFSETS_M, SlotStudy, WALKS, WIDTHS};
 use cocarry_studies::report::slot_table;
 use serde_json::json;
 
@@ -28,8 +28,8 @@ pub(in super::super) struct SlotsArguments {
 
 pub(super) fn reproduce_slots(arguments: &SlotsArguments) -> Result<(), Failure> {
     let plant = arguments.sway.plant()?;
-    let settings = Settings::default();
-    let study = Study {
+    let settings = EpisodeSettings::default();
+    let study = SlotStudy {
         plant: &plant,
         settings: &settings,
         turns: &OFFSETS_M,

@@ -7,9 +7,9 @@ use super::super::robot::{SwayArguments, sway_of};
 use super::common::Common;
 use anyhow::Context;
 use clap::Args;
-use cocarry::episode::Settings;
+use cocarry::episode::EpisodeSettings;
 use cocarry_output::output_file::Outputs;
-use cocarry_studies::paper::starts::{CLEAR_M, Starts, Study, WORLDS};
+use cocarry_studies::paper::starts::{CLEAR_M, StartStudy, Starts, WORLDS};
 use cocarry_studies::report::start_table;
 use serde_json::json;
 use std::fmt::Write;
@@ -45,9 +45,13 @@ pub(super) fn reproduce_starts(arguments: &StartsArguments) -> Result<(), Failur
             .map_err(Failure::Output)?;
     }
     let plant = arguments.sway.plant()?;
-    let settings = Settings::default();
-    let study =
-        Study { plant: &plant, settings: &settings, worlds: arguments.worlds as usize, seed: arguments.seed };
+    let settings = EpisodeSettings::default();
+    let study = StartStudy {
+        plant: &plant,
+        settings: &settings,
+        worlds: arguments.worlds as usize,
+        seed: arguments.seed,
+    };
     let starts = arguments
         .common
         .with_progress(study.worlds, "random indoor worlds", |on_done| study.run(on_done))?

@@ -6,7 +6,7 @@ use crate::fit::worlds::load;
 use crate::output::{Failure, OverwriteArguments, input, print, print_json};
 use crate::report_folder::{PAGE, prepare, write};
 use anyhow::anyhow;
-use cocarry::episode::Settings;
+use cocarry::episode::EpisodeSettings;
 use cocarry::options::OptionSet;
 use cocarry::preference::RISK_WEIGHT;
 use cocarry::scenario::{Plant, Scenario};
@@ -81,7 +81,7 @@ fn matched(tables: &StudyTables, folder: &Path) -> Result<Matched, Failure> {
     }
     if let Some(file) = &tables.switches {
         let path = folder.join("switches.csv");
-        let settings = Settings { predict_while_human_leads: false, ..Settings::default() };
+        let settings = EpisodeSettings { predict_while_human_leads: false, ..EpisodeSettings::default() };
         let prepared = load(&path, file.worlds(), |world| {
             Scenario { settings: settings.clone(), ..Scenario::new(world.into(), Plant::Point) }.prepare()
         })?;

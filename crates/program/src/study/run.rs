@@ -12,11 +12,11 @@ use crate::interrupt::Interrupt;
 use crate::output::{Failure, OverwriteArguments, counted, input, print, print_verdict, warn, write_file};
 use crate::replay_log::{Replayed, replayed};
 use anyhow::{Context, anyhow};
-use cocarry::episode::{Outcome, Settings};
+use cocarry::episode::{EpisodeSettings, Outcome};
 use cocarry::suggestion::shell_word;
 use cocarry_people::{
-    Admin, Browsers, CollectedCarry, Refusal, Serving, Sink, Site, Store, StoreError, Study, TEMPLATE, Task,
-    Trial, Truth, add_file, carries_table, collect, ethics_page, orders, serve, simulate, token,
+    Admin, Browsers, CollectedCarry, PeopleStudy, Refusal, Serving, Sink, Site, Store, StoreError, TEMPLATE,
+    Task, Trial, Truth, add_file, carries_table, collect, ethics_page, orders, serve, simulate, token,
 };
 use std::borrow::Cow;
 use std::fmt::Write;
@@ -46,10 +46,11 @@ pub(super) fn run_action(action: &Action) -> Result<(), Failure> {
 }
 
 /// The study in a file, or in the folder of `study new`.
-pub(super) fn read(file: &Path) -> Result<Study, Failure> {
+pub(super) fn read(file: &Path) -> Result<PeopleStudy, Failure> {
     const NAME: &str = "study.toml";
     let inside = file.join(NAME);
-    let study = Study::read(if file.is_dir() && inside.is_file() { &inside } else { file }).map_err(input)?;
+    let study =
+        PeopleStudy::read(if file.is_dir() && inside.is_file() { &inside } else { file }).map_err(input)?;
     study.worlds.iter().flat_map(|world| world.world.warnings()).for_each(|warning| warn(&warning));
     Ok(study)
 }
@@ -101,7 +102,9 @@ fn run_check(file: &Path) -> Result<(), Failure> {
     );
     let walks: Vec<f64> = study.worlds[..study.measured_worlds()]
         .iter()
-        .flat_map(|world| world.prospects.iter().map(|prospect| prospect.length / Settings::default().speed))
+        .flat_map(|world| {
+            world.prospects.iter().map(|prospect| prospect.length / EpisodeSettings::default().speed)
+        })
         .collect();
     let scales = orders[0].iter().filter(|page| matches!(page, Trial::Scale { .. })).count();
     let mut seconds = TEXT_S * (1 + study.tasks.len() + study.questions.len() + scales) as f64;
@@ -149,13 +152,13 @@ fn run_check(file: &Path) -> Result<(), Failure> {
 }
 
 /// The page of a study, with the simulator if people carry in it.
-fn site(study: &Study, sink: Sink, module: &ModuleArguments) -> Result<Site, Failure> {
+fn site(study: &PeopleStudy, sink: Sink, module: &ModuleArguments) -> Result<Site, Failure> {
     Site::new(study, sink, carry_module(study, module)?).map_err(input)
 }
 
 /// The simulator as a WebAssembly module, if people carry.
 fn carry_module(
-    study: &Study,
+    study: &PeopleStudy,
     ModuleArguments { page }: &ModuleArguments,
 ) -> Result<Option<Cow<'static, [u8]>>, Failure> {
     const MODULE: &str = "/cocarry.wasm";
@@ -261,7 +264,7 @@ fn run_collect(arguments: &CollectArguments) -> Result<(), Failure> {
 
 /// Writes the tables of a study into a folder. Returns the number of participants in them.
 pub(super) fn collect_into(
-    study: &Study,
+    study: &PeopleStudy,
     store: &Store,
     with_unfinished: bool,
     folder: &Path,
@@ -391,7 +394,7 @@ fn run_simulate(arguments: &SimulateArguments) -> Result<(), Failure> {
 }
 
 /// Participants who answer without a browser.
-fn simulated(study: &Study, participants: u64, seed: u64) -> Result<Vec<Truth>, Failure> {
+fn simulated(study: &PeopleStudy, participants: u64, seed: u64) -> Result<Vec<Truth>, Failure> {
     if study.has_carry() {
         warn(
             &"simulated participants do not carry: their pages of the task `carry` stay empty; with --browser they do",
@@ -405,14 +408,14 @@ fn simulated(study: &Study, participants: u64, seed: u64) -> Result<Vec<Truth>, 
     })
 }
 
-fn others(study: &Study) -> Failure {
+fn others(study: &PeopleStudy) -> Failure {
     let file = study.simulated_database();
     input(anyhow!("{}: has other simulated participants; remove the file first", file.display()))
 }
 
 /// Participants who answer on the page.
 fn rehearsed(
-    study: &Study,
+    study: &PeopleStudy,
     browsers: Browsers,
     program: Option<&Path>,
     module: &ModuleArguments,
@@ -425,7 +428,7 @@ fn rehearsed(
         return Err(others(study));
     }
     let (listener, port) = listening("--port", 0)?;
-    let study = Study { participants: browsers.participants, ..study.clone() };
+    let study = PeopleStudy { participants: browsers.participants, ..study.clone() };
     let serving =
         Serving { study: study.clone(), site, store, hosts: vec![format!("127.0.0.1:{port}")], admin: None };
     let interrupt = Interrupt::caught()?;

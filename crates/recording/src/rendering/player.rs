@@ -6,7 +6,7 @@ use crate::recording::{Channel, Frame, Playback};
 use cocarry::Error;
 use cocarry::error::Place;
 use cocarry::geometry::{Point, Pose};
-use cocarry::quantities::{COORDINATION, COST, INTERACTION, Kind, Quantity};
+use cocarry::quantities::{COORDINATION, COST, INTERACTION, Quantity, QuantityKind};
 use cocarry::robot::Robot;
 use cocarry_output::drawing::Shown;
 use cocarry_output::figure;
@@ -216,7 +216,7 @@ fn steps(playback: &Playback) -> Value {
             continue;
         }
         for quantity in table.iter().filter(|quantity| keys.contains(&quantity.key)) {
-            let unit = if let Kind::Number(unit) = quantity.kind { unit } else { "" };
+            let unit = if let QuantityKind::Number(unit) = quantity.kind { unit } else { "" };
             let values = playback.column(channel, quantity.key);
             let values: Vec<Value> = values.into_iter().map(|value| figure(Some(value))).collect();
             figures.insert(

@@ -8,28 +8,28 @@ use arrow_array::builder::{BooleanBuilder, Float64Builder, Int64Builder, StringB
 use arrow_array::{ArrayRef, ListArray, RecordBatch, StructArray};
 use arrow_buffer::{NullBuffer, OffsetBuffer, ScalarBuffer};
 use arrow_schema::{ArrowError, DataType, Field, FieldRef, Fields, Schema, SchemaRef};
-use cocarry::quantities::{Fields as Record, Heading, Kind, Value};
+use cocarry::quantities::{Fields as Record, Heading, QuantityKind, Value};
 use std::collections::HashMap;
 use std::sync::Arc;
 
 /// The Arrow field of a column: nullable, with its metadata.
 pub fn field(heading: &Heading) -> Field {
-    let unit = if let Kind::Number(unit) = heading.kind { unit } else { "" };
+    let unit = if let QuantityKind::Number(unit) = heading.kind { unit } else { "" };
     let pairs = [("description", heading.description), ("unit", unit)];
     let pairs = pairs.into_iter().filter(|(_, text)| !text.is_empty());
     let metadata = pairs.map(|(key, text)| (key.to_owned(), text.to_owned())).collect::<HashMap<_, _>>();
     Field::new(heading.name, data_type(heading.kind), true).with_metadata(metadata)
 }
 
-fn data_type(kind: Kind) -> DataType {
+fn data_type(kind: QuantityKind) -> DataType {
     match kind {
-        Kind::Number(_) => DataType::Float64,
-        Kind::Count => DataType::Int64,
-        Kind::Flag => DataType::Boolean,
-        Kind::Text => DataType::Utf8,
-        Kind::Numbers => list(DataType::Float64),
-        Kind::Record(headings) => record(&headings()),
-        Kind::List(headings) => list(record(&headings())),
+        QuantityKind::Number(_) => DataType::Float64,
+        QuantityKind::Count => DataType::Int64,
+        QuantityKind::Flag => DataType::Boolean,
+        QuantityKind::Text => DataType::Utf8,
+        QuantityKind::Numbers => list(DataType::Float64),
+        QuantityKind::Record(headings) => record(&headings()),
+        QuantityKind::List(headings) => list(record(&headings())),
     }
 }
 
@@ -74,7 +74,7 @@ pub enum Column {
 
 impl Column {
     /// An empty column for values of this kind.
-    pub fn of(kind: Kind) -> Self {
+    pub fn of(kind: QuantityKind) -> Self {
         Self::of_type(&data_type(kind))
     }
 
@@ -246,10 +246,11 @@ mod tests {
 
     #[test]
     fn values_keep_their_bits_and_missing_ones_are_null() {
-        let options = Heading { name: "options", kind: Kind::List(|| headings(OPTION)), description: "" };
+        let options =
+            Heading { name: "options", kind: QuantityKind::List(|| headings(OPTION)), description: "" };
         let headings = [
-            Heading { name: "a_m", kind: Kind::Number("m"), description: "a number" },
-            Heading { name: "n", kind: Kind::Count, description: "a count" },
+            Heading { name: "a_m", kind: QuantityKind::Number("m"), description: "a number" },
+            Heading { name: "n", kind: QuantityKind::Count, description: "a count" },
             options,
         ];
         let mut columns = Columns::new(&headings);

@@ -8,7 +8,7 @@
 use super::Guidance;
 use crate::parallel::{OnDone, in_parallel};
 use cocarry::episode::{self, prospects};
-use cocarry::learning::{Learner, LearningError, Settings, discomfort_limit, eta_interval};
+use cocarry::learning::{Learner, LearningError, LearningSettings, discomfort_limit, eta_interval};
 use cocarry::math;
 use cocarry::options::OptionSet;
 use cocarry::preference::{Perception, Ways, human_choice};
@@ -32,11 +32,11 @@ const PLACES: u32 = 20;
 #[derive(Clone, Debug)]
 pub struct Calibration {
     /// The belief, c_r, phi(0) and the walk.
-    pub settings: episode::Settings,
+    pub settings: episode::EpisodeSettings,
     /// How humans really lapse and change.
-    pub truth: Settings,
+    pub truth: LearningSettings,
     /// How the robot assumes that they do.
-    pub assumed: Settings,
+    pub assumed: LearningSettings,
     /// Number of humans.
     pub replications: u64,
     /// Sightings of each human under their lead.
@@ -49,7 +49,7 @@ pub struct Calibration {
 
 impl Default for Calibration {
     fn default() -> Self {
-        let (settings, truth) = (episode::Settings::default(), Settings::default());
+        let (settings, truth) = (episode::EpisodeSettings::default(), LearningSettings::default());
         Self { settings, truth, assumed: truth, replications: 10_000, sightings: 8, tasks: 2, seed: 0 }
     }
 }

@@ -8,14 +8,14 @@ use std::path::{Path, PathBuf};
 
 /// The kind of a file, by what participants did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum EvidenceKind {
     /// They said how likely they would choose each option.
     Answers,
     /// They asked the robot to switch at some step.
     Switches,
 }
 
-impl Kind {
+impl EvidenceKind {
     const ALL: [Self; 2] = [Self::Answers, Self::Switches];
 
     /// Its name in a folder of `cocarry new` or `cocarry study collect`.
@@ -89,8 +89,11 @@ pub fn participants_files(path: &Path) -> Result<Vec<PathBuf>, Error> {
     if !path.is_dir() {
         return Ok(vec![path.to_owned()]);
     }
-    let files: Vec<PathBuf> =
-        Kind::ALL.map(|kind| path.join(kind.file_name())).into_iter().filter(|file| file.is_file()).collect();
+    let files: Vec<PathBuf> = EvidenceKind::ALL
+        .map(|kind| path.join(kind.file_name()))
+        .into_iter()
+        .filter(|file| file.is_file())
+        .collect();
     match files.is_empty() {
         false => Ok(files),
         true => Err(Error::at(

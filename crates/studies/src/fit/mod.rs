@@ -22,18 +22,18 @@ pub use coverage::{Coverage, DIFFUSE, EtaDesign, MEDIAN, risk_weight_coverage};
 pub use csv_text::read_csv_text;
 pub use eta::{Eta, EtaFit, Evidence, fit_eta};
 pub use infer::{
-    CHAINS, ChoiceEvidence, ChosenWorlds, Draws, Figure, HeldOut, Inference, Means, MeansRow,
-    Model as InferenceModel, OptionCheck, PERCEPTION_UNITS, PerceptionScore, Person, Population, QUANTITIES,
-    Score, Settings as InferenceSettings, Switches, Walk, compare_perceptions, infer, infer_means,
+    CHAINS, ChoiceEvidence, ChosenWorlds, Draws, Figure, HeldOut, Inference, InferenceModel,
+    InferenceSettings, Means, MeansRow, OptionCheck, PERCEPTION_UNITS, PerceptionScore, Person, Population,
+    QUANTITIES, Score, Switches, Walk, compare_perceptions, infer, infer_means,
 };
-pub use kind::{Kind, participants_files};
+pub use kind::{EvidenceKind, participants_files};
 pub use lognormal::{LogNormal, MIN_BOUNDED, MIN_DRAWS, NoInterval};
 pub use risk_weight::{
-    CELL_ERROR, Errors, Estimate, LEAST_SQUARES_CAUTION, RiskWeightFit, RiskWeightSettings, Row,
+    CELL_ERROR, Errors, Estimate, FittedOption, LEAST_SQUARES_CAUTION, RiskWeightFit, RiskWeightSettings,
     fit_risk_weight,
 };
 pub use set::Set;
 pub use switches::{Executed, Switch, SwitchFile};
 pub(crate) use table::NAME;
-pub use table::{Column as TableColumn, Line as TableLine, bad_cell, read as table_rows, similar_names};
+pub use table::{Column as TableColumn, TableLine, bad_cell, read as table_rows, similar_names};
 pub use walk::{Guidance, Piece};

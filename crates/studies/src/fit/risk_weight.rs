@@ -101,7 +101,7 @@ pub struct Errors {
 
 /// Answers and fits of an option, percent.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Row {
+pub struct FittedOption {
     /// World, by its name in the file.
     pub world: String,
     /// Whether the world was held out.
@@ -132,7 +132,7 @@ pub struct RiskWeightFit {
     /// c_r (m) and the rms error in the fitted worlds, percentage points.
     pub curve: Vec<(f64, f64)>,
     /// All options.
-    pub rows: Vec<Row>,
+    pub rows: Vec<FittedOption>,
 }
 
 impl RiskWeightFit {
@@ -450,7 +450,7 @@ impl ChoiceModel<'_> {
         })
     }
 
-    fn rows(&self, predictor: &mut Predictor, by_squares: f64, by_likelihood: f64) -> Vec<Row> {
+    fn rows(&self, predictor: &mut Predictor, by_squares: f64, by_likelihood: f64) -> Vec<FittedOption> {
         let mut rows = Vec::new();
         for (w, situation) in self.answers.situations.iter().enumerate() {
             let [squares, likelihood] =
@@ -458,7 +458,7 @@ impl ChoiceModel<'_> {
             for (o, option) in situation.options.iter().enumerate() {
                 let asked = self.answers.shares.iter().filter_map(|shares| shares[w].as_ref());
                 let answers: Vec<f64> = asked.map(|shares| 100.0 * shares[o]).collect();
-                rows.push(Row {
+                rows.push(FittedOption {
                     world: situation.world.clone(),
                     is_held_out: !self.fitted.contains(&w),
                     option: option.clone(),

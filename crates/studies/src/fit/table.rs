@@ -64,7 +64,7 @@ pub(super) fn check_counts<'r>(
 
 /// The trimmed values of a row, in the order of the requested columns; empty where a column is missing.
 #[derive(Clone, Debug)]
-pub struct Line<const N: usize> {
+pub struct TableLine<const N: usize> {
     /// Line in the file.
     pub line: u64,
     /// The values.
@@ -73,7 +73,7 @@ pub struct Line<const N: usize> {
     has_decimal_commas: bool,
 }
 
-impl<const N: usize> Line<N> {
+impl<const N: usize> TableLine<N> {
     /// The number in a cell.
     pub fn number(&self, column: usize) -> Option<f64> {
         let cell = &self.values[column];
@@ -134,7 +134,7 @@ pub fn similar_names<'n>(names: impl IntoIterator<Item = &'n str>) -> Vec<[&'n s
 /// # Errors
 /// The file cannot be read, lacks a column, has no rows, or a row is longer or shorter than the
 /// header.
-pub fn read<const N: usize>(path: &Path, columns: [Column; N]) -> Result<Vec<Line<N>>, Error> {
+pub fn read<const N: usize>(path: &Path, columns: [Column; N]) -> Result<Vec<TableLine<N>>, Error> {
     let file = path.display().to_string();
     let (text, delimiter) = read_csv_text(path)?;
     let names: Vec<&str> = columns.iter().map(|c| c.name).collect();
@@ -178,7 +178,7 @@ pub fn read<const N: usize>(path: &Path, columns: [Column; N]) -> Result<Vec<Lin
             return Err(Error::at(Place::line(file, line, ""), sentence));
         }
         let values = places.map(|place| place.map_or(String::new(), |i| record[i].to_owned()));
-        rows.push(Line { line, values, has_decimal_commas: delimiter != b',' });
+        rows.push(TableLine { line, values, has_decimal_commas: delimiter != b',' });
     }
     if rows.is_empty() { Err(no_rows(&file, &expected)) } else { Ok(rows) }
 }

@@ -4,7 +4,7 @@ use super::Set;
 use crate::paper::EXAMPLE_HUMAN;
 use cocarry::Error;
 use cocarry::coordination::{self, Mode, is_misaligned};
-use cocarry::episode::{Settings, prospects};
+use cocarry::episode::{EpisodeSettings, prospects};
 use cocarry::learning::{self, eta_interval};
 use cocarry::options::OptionSet;
 use cocarry::policy::Method;
@@ -53,7 +53,7 @@ const SAME_RATIO: f64 = 1.0 + 1e-12;
 impl Guidance {
     /// The guidance of a robot that walks an option (an index) from start to end. `None` where there is no
     /// path.
-    pub fn along_option(set: &OptionSet, settings: &Settings, option: usize) -> Option<Self> {
+    pub fn along_option(set: &OptionSet, settings: &EpisodeSettings, option: usize) -> Option<Self> {
         let mut progress = set.begin();
         let path = set.path(&progress, option)?;
         let mut predictor = settings.predictor.clone();
@@ -83,7 +83,7 @@ impl Guidance {
     /// # Errors
     /// [`Error`]: the scenario has a plant with bodies, which do not fit at its start.
     pub fn mutual(prepared: &PreparedScenario) -> Result<Self, Error> {
-        let led = Settings { method: Method::ROBOT_LED, ..prepared.scenario().settings.clone() };
+        let led = EpisodeSettings { method: Method::ROBOT_LED, ..prepared.scenario().settings.clone() };
         let prepared_led = with(prepared, led)?;
         let mut episode = prepared_led.episode()?;
         while episode.step().is_none() {}
@@ -135,12 +135,12 @@ impl Guidance {
 
 /// The scenario with these settings and the human of the example: while the robot leads, humans differ in eta
 /// only.
-fn with(prepared: &PreparedScenario, settings: Settings) -> Result<PreparedScenario, Error> {
+fn with(prepared: &PreparedScenario, settings: EpisodeSettings) -> Result<PreparedScenario, Error> {
     prepared.prepare(Scenario { settings, human: EXAMPLE_HUMAN, ..prepared.scenario().clone() })
 }
 
 /// ln(1 / phi(0)).
-fn discomfort_limit(settings: &Settings) -> f64 {
+fn discomfort_limit(settings: &EpisodeSettings) -> f64 {
     learning::discomfort_limit(settings.coordination.initial_stubbornness)
 }
 
@@ -159,8 +159,9 @@ struct LedWalk {
 impl LedWalk {
     fn of(prepared: &PreparedScenario, eta: f64) -> Result<Self, Error> {
         let settings = &prepared.scenario().settings;
-        let coordination = coordination::Settings { eta, ..settings.coordination };
-        let prepared = with(prepared, Settings { method: Method::MUTUAL, coordination, ..settings.clone() })?;
+        let coordination = coordination::StubbornnessSettings { eta, ..settings.coordination };
+        let prepared =
+            with(prepared, EpisodeSettings { method: Method::MUTUAL, coordination, ..settings.clone() })?;
         let mut episode = prepared.episode()?;
         let mut led = Self { eta, executed: Vec::new(), discomfort: Vec::new(), has_switched: false };
         while episode.step().is_none() {

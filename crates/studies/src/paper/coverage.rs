@@ -8,7 +8,7 @@ use cocarry::Error;
 
 /// The coverage of the fits.
 pub(crate) const PART: Part =
-    Part { id: "coverage", name: "coverage of the fits", episodes: none, studies, run };
+    Part { id: "coverage", name: "coverage of the fits", episodes: none, studies, run: coverage_section };
 
 /// Numbers of participants.
 const PEOPLE: [usize; 9] = [2, 3, 4, 5, 6, 8, 12, 20, 50];
@@ -45,7 +45,7 @@ struct RiskWeightRow {
     cells: [Coverage; 2],
 }
 
-fn run(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
+fn coverage_section(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let eta = PEOPLE.map(|people| EtaRow {
         people,
         cells: CENSORED.map(|(_, longest)| {

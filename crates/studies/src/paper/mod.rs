@@ -20,7 +20,7 @@ pub mod slots;
 pub mod starts;
 
 use cocarry::Error;
-use cocarry::episode::{Episode, Settings, Summary, Tick};
+use cocarry::episode::{Episode, EpisodeSettings, Summary, Tick};
 use cocarry::preference::Perception;
 use cocarry::scenario::{GivenWorld, Plant, PreparedScenario, Scenario};
 use cocarry::world::World;
@@ -133,14 +133,14 @@ impl Environment {
 /// The prepared scenario of a team in a world, which the scenarios of its humans share.
 fn prepared(
     world: impl Into<GivenWorld>,
-    settings: &Settings,
+    settings: &EpisodeSettings,
     plant: &Plant,
 ) -> Result<PreparedScenario, Error> {
     Scenario { settings: settings.clone(), ..Scenario::new(world.into(), plant.clone()) }.prepare()
 }
 
 /// Runs the episode of a scenario to its end, and calls `on_tick` after every step.
-fn run(prepared: &PreparedScenario, on_tick: impl FnMut(&Tick)) -> Result<Summary, Error> {
+fn run_prepared(prepared: &PreparedScenario, on_tick: impl FnMut(&Tick)) -> Result<Summary, Error> {
     Ok(run_episode(prepared.episode()?, on_tick))
 }
 

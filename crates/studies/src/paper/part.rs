@@ -4,7 +4,7 @@ use super::{arrivals, contacts, cycles as locked, h2, h3, h4, slots, starts};
 use crate::parallel::OnDone;
 use crate::table::Table;
 use cocarry::Error;
-use cocarry::episode::Settings;
+use cocarry::episode::EpisodeSettings;
 use cocarry::robot::Robot;
 
 /// The extent of a report.
@@ -13,7 +13,7 @@ pub struct Plan<'a> {
     /// The robot of Table III and of the team with bodies.
     pub robot: &'a Robot,
     /// Settings of the episodes.
-    pub settings: Settings,
+    pub settings: EpisodeSettings,
     /// Number of random humans in each cell of Table III.
     pub episodes: usize,
     /// Number of random humans in each cell of Table III with bodies.
@@ -51,7 +51,7 @@ impl<'a> Plan<'a> {
     pub fn new(robot: &'a Robot) -> Self {
         Self {
             robot,
-            settings: Settings::default(),
+            settings: EpisodeSettings::default(),
             episodes: h3::EPISODES,
             episodes_with_bodies: h3::EPISODES_WITH_BODIES,
             seeds: arrivals::SEEDS,

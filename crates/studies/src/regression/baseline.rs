@@ -86,7 +86,7 @@ impl Baseline {
         };
         let mut read: Vec<Run> = Vec::new();
         for table in runs {
-            let run = run(&source, table)?;
+            let run = parse_run(&source, table)?;
             if read.iter().any(|other| other.name == run.name) {
                 let sentence = format_args!("duplicate run `{}`; give each run its own `name`", run.name);
                 return Err(Error::at(Place::line(file, run.line as u64, ""), sentence));
@@ -212,7 +212,7 @@ fn tolerances(source: &BaselineSource, item: &Item) -> Result<Vec<(String, Toler
     Ok(all)
 }
 
-fn run(source: &BaselineSource, table: &Table) -> Result<Run, Error> {
+fn parse_run(source: &BaselineSource, table: &Table) -> Result<Run, Error> {
     let line = source.line(table.span());
     let mut run = Run { name: String::new(), line, arguments: Vec::new(), recorded: None };
     for (key, item) in table.iter() {

@@ -62,7 +62,7 @@ fn parts(plan: &Plan, run: &[&Part]) -> String {
 
 fn settings(plan: &Plan) -> String {
     let episode = &plan.settings;
-    let control = control::Settings::default();
+    let control = control::ControlSettings::default();
     let physics = PhysicsSettings::default();
     let [alpha, gamma] = episode.predictor.belief().ranges();
     let eta: Vec<String> = COLUMNS.iter().flatten().map(f64::to_string).collect();

@@ -4,7 +4,7 @@ use super::SweepError;
 use super::row;
 use super::summary::{COSTS, OUTCOMES};
 use cocarry::Error;
-use cocarry::quantities::{EPISODE, Kind};
+use cocarry::quantities::{EPISODE, QuantityKind};
 use cocarry::scenario::{Applies, SETTINGS};
 use cocarry::suggestion::hint;
 
@@ -99,7 +99,9 @@ fn input_column(what: &str, name: &str) -> Result<&'static str, Error> {
 
 /// The column of a quantity of episodes that is a number.
 fn quantity(name: &str) -> Result<&'static str, Error> {
-    let numbers = EPISODE.iter().filter(|quantity| matches!(quantity.kind, Kind::Number(_) | Kind::Count));
+    let numbers = EPISODE
+        .iter()
+        .filter(|quantity| matches!(quantity.kind, QuantityKind::Number(_) | QuantityKind::Count));
     one_of("quantity", name, numbers.map(|quantity| quantity.key))
 }
 

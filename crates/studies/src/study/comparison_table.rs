@@ -1,11 +1,11 @@
 //! The table of a summary's paired comparisons, and what its reader should know.
 
 use super::row;
-use super::summary::{Comparison, Group, OUTCOMES, Summary};
+use super::summary::{Comparison, OUTCOMES, Summary, SummaryGroup};
 use crate::paper::pairs::{KEYS, paired_columns};
 use crate::statistics::{Estimate, Paired};
 use crate::table::{Cell, Columns, Table};
-use cocarry::quantities::{EPISODE, Kind};
+use cocarry::quantities::{EPISODE, QuantityKind};
 use serde_json::Value;
 
 /// Short names of the quantities that are compared most.
@@ -22,13 +22,14 @@ impl Summary {
         let keys: Vec<&str> = always.chain(self.varied.iter().map(String::as_str)).collect();
         let mut columns = Columns::of(&self.groups);
         for key in keys {
-            columns = columns.column("", true, &[key], |group: &Group| input(key, group.inputs.get(key)));
+            columns =
+                columns.column("", true, &[key], |group: &SummaryGroup| input(key, group.inputs.get(key)));
         }
         columns = columns.count("n", "n", |group| group.n).count("arrived", "arrived", |group| group.arrived);
         for key in OUTCOMES {
-            let of = move |group: &Group| group.outcomes.get(key).copied().flatten();
+            let of = move |group: &SummaryGroup| group.outcomes.get(key).copied().flatten();
             let end = move |which: usize| {
-                move |group: &Group| of(group).and_then(|found| found.interval).map(|ends| ends[which])
+                move |group: &SummaryGroup| of(group).and_then(|found| found.interval).map(|ends| ends[which])
             };
             columns = columns
                 .data(&format!("{key}_mean"), move |group| of(group).map(|found| found.mean))
@@ -131,9 +132,9 @@ fn input(key: &str, text: Option<&String>) -> Cell {
     let kind = row::headings().into_iter().find(|heading| heading.name == key).map(|heading| heading.kind);
     let value = match kind {
         _ if shown.is_empty() => Value::Null,
-        Some(Kind::Number(_)) => shown.parse::<f64>().map_or(Value::Null, Value::from),
-        Some(Kind::Count) => shown.parse::<u64>().map_or(Value::Null, Value::from),
-        Some(Kind::Flag) => shown.parse::<bool>().map_or(Value::Null, Value::from),
+        Some(QuantityKind::Number(_)) => shown.parse::<f64>().map_or(Value::Null, Value::from),
+        Some(QuantityKind::Count) => shown.parse::<u64>().map_or(Value::Null, Value::from),
+        Some(QuantityKind::Flag) => shown.parse::<bool>().map_or(Value::Null, Value::from),
         _ => Value::from(shown.as_str()),
     };
     Cell { shown, values: vec![value] }
@@ -145,7 +146,7 @@ fn short(quantity: &'static str) -> &'static str {
 
 /// The difference with as many decimals as the quantity has.
 fn difference(quantity: &str, paired: &Paired) -> String {
-    let is_count = EPISODE.iter().any(|q| q.key == quantity && matches!(q.kind, Kind::Count));
+    let is_count = EPISODE.iter().any(|q| q.key == quantity && matches!(q.kind, QuantityKind::Count));
     let largest =
         paired.difference.interval.map_or(paired.difference.mean.abs(), |[a, b]| a.abs().max(b.abs()));
     let decimals = match largest {

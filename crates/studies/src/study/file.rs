@@ -9,8 +9,8 @@ use cocarry::error::Place;
 use cocarry::preference::{Belief, Marginal};
 use cocarry::robot::Robot;
 use cocarry::scenario::{
-    Applies, GivenRobot, GivenWorld, Kind, PERCEPTION, POSTURE, PlantKind, PreferenceChanges, SETTINGS,
-    Setting, Value, one_of,
+    Applies, GivenRobot, GivenWorld, PERCEPTION, POSTURE, PlantKind, PreferenceChanges, SETTINGS, Setting,
+    SettingKind, Value, one_of,
 };
 use cocarry::suggestion::Expected;
 use std::path::Path;
@@ -315,10 +315,12 @@ fn posture() -> usize {
 /// The value of a setting in a study file.
 fn value(setting: &Setting, written: &DeValue) -> Option<Value> {
     let value = match setting.kind {
-        Kind::Number(..) => number(written).map(Value::Number),
-        Kind::Count(..) => whole(written).map(Value::Count),
-        Kind::Flag(_) => written.as_bool().map(Value::Flag),
-        Kind::Word(..) | Kind::Text(..) => written.as_str().map(|text| Value::Text(text.to_owned())),
+        SettingKind::Number(..) => number(written).map(Value::Number),
+        SettingKind::Count(..) => whole(written).map(Value::Count),
+        SettingKind::Flag(_) => written.as_bool().map(Value::Flag),
+        SettingKind::Word(..) | SettingKind::Text(..) => {
+            written.as_str().map(|text| Value::Text(text.to_owned()))
+        }
     };
     value.filter(|value| setting.accepts(value))
 }

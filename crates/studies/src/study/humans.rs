@@ -1,7 +1,7 @@
 //! The distributions of a study's humans, by name.
 
 use super::{Study, SweepError};
-use cocarry::episode::{PreferenceChange, Settings};
+use cocarry::episode::{EpisodeSettings, PreferenceChange};
 use cocarry::options::OptionSet;
 use cocarry::preference::{Belief, Marginal, Perception};
 use cocarry::scenario::{GivenPerception, PreferenceChanges, Scenario, drawn_changes};
@@ -30,7 +30,7 @@ impl Humans {
         count: PreferenceChanges,
         seed: u64,
         options: &OptionSet,
-        settings: &Settings,
+        settings: &EpisodeSettings,
     ) -> Vec<PreferenceChange> {
         drawn_changes(count, &self.belief(), self.given(), seed, options, settings)
     }

@@ -40,11 +40,11 @@ pub use plane::{Plane, PlanePart};
 pub(crate) use results::check_name;
 pub use results::{Results, read_rows};
 pub use row::line_of_cells as line_of;
-pub use summary::{Comparison, Group, OUTCOMES, Summary};
+pub use summary::{Comparison, OUTCOMES, Summary, SummaryGroup};
 
 use cell::Cell;
 use cocarry::arithmetic;
-use cocarry::episode::{Episode, Settings};
+use cocarry::episode::{Episode, EpisodeSettings};
 use cocarry::error::Place;
 use cocarry::preference::{Predictor, RISK_WEIGHT};
 use cocarry::quantities::Heading;
@@ -77,7 +77,7 @@ pub struct Study {
     /// Every combination of values of all runs, in the order of the runs.
     cells: Vec<Cell>,
     /// The default settings with each belief of `contents`.
-    bases: Vec<Settings>,
+    bases: Vec<EpisodeSettings>,
     /// A prepared scenario for every world, c_r and robot.
     prepared: Vec<PreparedScenario>,
     /// The index into `prepared` of each cell.
@@ -291,7 +291,11 @@ impl Study {
             let made = Predictor::new(self.contents.beliefs[belief].1.clone(), RISK_WEIGHT);
             let predictor = made.map_err(|source| self.refused(0, source))?;
             // single ticks are not needed here
-            self.bases.push(Settings { predictor, predict_while_human_leads: false, ..Settings::default() });
+            self.bases.push(EpisodeSettings {
+                predictor,
+                predict_while_human_leads: false,
+                ..EpisodeSettings::default()
+            });
         }
         Ok(())
     }

@@ -2,10 +2,10 @@
 
 use super::compared::Comparing;
 use super::results::Results;
-use super::summary::{Comparison, Group, Summary};
+use super::summary::{Comparison, Summary, SummaryGroup};
 use super::{OUTCOMES, Plane, PlanePart, SweepError};
 use cocarry::Error;
-use cocarry::quantities::{EPISODE, Kind};
+use cocarry::quantities::{EPISODE, QuantityKind};
 use cocarry_output::drawing::{
     DifferencePanel, DifferenceRow, HeatPanel, MeanPanel, MeanRow, Sheet, differences, heat_maps, means,
 };
@@ -64,7 +64,7 @@ fn label(inputs: &BTreeMap<String, String>, names: &[&str]) -> String {
 fn title(column: &str) -> String {
     let unit = EPISODE.iter().find(|quantity| quantity.key == column).map(|quantity| quantity.kind);
     match unit {
-        Some(Kind::Number(unit)) if !unit.is_empty() => {
+        Some(QuantityKind::Number(unit)) if !unit.is_empty() => {
             let words = column.strip_suffix(&format!("_{unit}")).unwrap_or(column);
             format!("{} ({unit})", words.replace('_', " "))
         }
@@ -108,7 +108,7 @@ fn of_means(summary: &Summary, quantity: &str, sheet: Sheet) -> Result<String, E
     means(&panels, &series, &title(quantity), sheet)
 }
 
-fn mean(group: &Group, quantity: &str) -> Option<(f64, Option<[f64; 2]>)> {
+fn mean(group: &SummaryGroup, quantity: &str) -> Option<(f64, Option<[f64; 2]>)> {
     group.outcomes.get(quantity).copied().flatten().map(|estimate| (estimate.mean, estimate.interval))
 }
 

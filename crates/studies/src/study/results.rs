@@ -4,7 +4,7 @@ use super::error::Position;
 use super::origin::Origin;
 use super::{SweepError, row, tables};
 use cocarry::located;
-use cocarry::quantities::{Heading, Kind};
+use cocarry::quantities::{Heading, QuantityKind};
 use cocarry_output::output_file::{OutputError, OutputFile};
 use row::IDENTITY;
 use std::fs::File;
@@ -70,12 +70,12 @@ pub(super) fn check_values(line: &[u8], file: &str, position: Position) -> Resul
 fn as_written(heading: &Heading, cell: &str) -> String {
     let number = || cell.trim().parse::<f64>().ok().filter(|number| !number.is_nan());
     match heading.kind {
-        Kind::Number(_) => number().map_or_else(String::new, |number| number.to_string()),
-        Kind::Count => match cell.parse::<u64>() {
+        QuantityKind::Number(_) => number().map_or_else(String::new, |number| number.to_string()),
+        QuantityKind::Count => match cell.parse::<u64>() {
             Ok(_) => cell.to_owned(),
             Err(_) => number().filter(|n| n.fract() == 0.0).map_or_else(String::new, |n| n.to_string()),
         },
-        Kind::Flag => cell.trim().to_ascii_lowercase(),
+        QuantityKind::Flag => cell.trim().to_ascii_lowercase(),
         _ => cell.to_owned(),
     }
 }
@@ -234,7 +234,7 @@ impl Splitter {
 
 enum RowSource<'a> {
     Csv(BufReader<File>),
-    Parquet(Box<tables::Reader>),
+    Parquet(Box<tables::RowReader>),
     Lines(std::slice::Iter<'a, Vec<u8>>),
 }
 
@@ -268,7 +268,7 @@ impl<'a> Rows<'a> {
         let read = |source| located::unreadable(&file, source);
         let mut opened = BufReader::new(located::open(path).map_err(read)?);
         let source = match opened.fill_buf().map_err(read)?.starts_with(PARQUET) {
-            true => RowSource::Parquet(Box::new(tables::Reader::open(opened.into_inner(), &file)?)),
+            true => RowSource::Parquet(Box::new(tables::RowReader::open(opened.into_inner(), &file)?)),
             false => RowSource::Csv(opened),
         };
         let mut rows = Self::new(file, source);

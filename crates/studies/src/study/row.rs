@@ -7,7 +7,7 @@ use cocarry::Error;
 use cocarry::episode::{Episode, Outcome};
 use cocarry::error::words;
 use cocarry::preference::Perception;
-use cocarry::quantities::{EPISODE, Heading, Kind, View};
+use cocarry::quantities::{EPISODE, Heading, QuantityKind, View};
 use cocarry::scenario::{self, PlantKind, PreparedScenario, SETTINGS, Scenario, Value};
 
 /// A column: its name, its meaning, and its value for a cell, which is `None` where the column does not apply.
@@ -15,15 +15,15 @@ type InputColumn = (&'static str, &'static str, fn(&Inputs) -> Option<String>);
 
 /// The columns that identify rows and studies, and the CRC-32 of the row without it.
 pub(super) const IDENTITY: [Heading; 5] = [
-    heading("episode", Kind::Count, "number of the episode in the study, from 0"),
-    heading("episodes", Kind::Count, "number of episodes of the whole study"),
+    heading("episode", QuantityKind::Count, "number of the episode in the study, from 0"),
+    heading("episodes", QuantityKind::Count, "number of episodes of the whole study"),
     heading(
         "study",
-        Kind::Text,
+        QuantityKind::Text,
         "digest of the study: of all values, worlds, robots and the program's version",
     ),
-    heading("arithmetic", Kind::Text, "stamp of the machine's arithmetic"),
-    heading("checksum", Kind::Text, "checksum of the row's values"),
+    heading("arithmetic", QuantityKind::Text, "stamp of the machine's arithmetic"),
+    heading("checksum", QuantityKind::Text, "checksum of the row's values"),
 ];
 /// The index of the checksum's column.
 const CHECKSUM: usize = IDENTITY.len() - 1;
@@ -53,13 +53,17 @@ const INPUTS: &[InputColumn] = &[
 
 /// The columns of the seed and of the values drawn from it; those of [`EPISODE`] follow.
 const DRAWN: [Heading; 4] = [
-    heading("seed", Kind::Count, "seed of the episode"),
-    heading("alpha", Kind::Number(""), "the human's alpha"),
-    heading("gamma", Kind::Number(""), "the human's gamma"),
-    heading("preference_changes", Kind::Text, "the changes drawn, in the form of `--change`, by step"),
+    heading("seed", QuantityKind::Count, "seed of the episode"),
+    heading("alpha", QuantityKind::Number(""), "the human's alpha"),
+    heading("gamma", QuantityKind::Number(""), "the human's gamma"),
+    heading(
+        "preference_changes",
+        QuantityKind::Text,
+        "the changes drawn, in the form of `--change`, by step",
+    ),
 ];
 
-const fn heading(name: &'static str, kind: Kind, description: &'static str) -> Heading {
+const fn heading(name: &'static str, kind: QuantityKind, description: &'static str) -> Heading {
     Heading { name, kind, description }
 }
 
@@ -77,12 +81,12 @@ pub(super) fn headings() -> Vec<Heading> {
 /// The columns that define a combination.
 fn input_headings() -> impl Iterator<Item = Heading> {
     let of_setting = |setting: &scenario::Setting| match setting.kind {
-        scenario::Kind::Number(unit, ..) => Kind::Number(unit),
-        scenario::Kind::Count(..) => Kind::Count,
-        scenario::Kind::Flag(_) => Kind::Flag,
-        scenario::Kind::Word(..) | scenario::Kind::Text(..) => Kind::Text,
+        scenario::SettingKind::Number(unit, ..) => QuantityKind::Number(unit),
+        scenario::SettingKind::Count(..) => QuantityKind::Count,
+        scenario::SettingKind::Flag(_) => QuantityKind::Flag,
+        scenario::SettingKind::Word(..) | scenario::SettingKind::Text(..) => QuantityKind::Text,
     };
-    let inputs = INPUTS.iter().map(|(name, about, _)| heading(name, Kind::Text, about));
+    let inputs = INPUTS.iter().map(|(name, about, _)| heading(name, QuantityKind::Text, about));
     inputs.chain(SETTINGS.iter().map(move |setting| heading(setting.key, of_setting(setting), setting.about)))
 }
 

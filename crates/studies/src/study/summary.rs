@@ -31,7 +31,7 @@ pub struct Summary {
     /// The inputs that vary between rows.
     pub varied: Vec<String>,
     /// One group for every combination, in the order in which they appear.
-    pub groups: Vec<Group>,
+    pub groups: Vec<SummaryGroup>,
     /// One comparison for every quantity and every two combinations that differ only in what is compared.
     pub comparisons: Vec<Comparison>,
     /// Whether two episodes were paired.
@@ -44,7 +44,7 @@ pub struct Summary {
 
 /// The episodes of one combination.
 #[derive(Clone, Debug, Serialize)]
-pub struct Group {
+pub struct SummaryGroup {
     /// The inputs by column; empty where they do not apply.
     pub inputs: BTreeMap<String, String>,
     /// Episodes.

@@ -6,7 +6,7 @@ use super::compared::Comparing;
 use super::error::Position;
 use super::origin::Origins;
 use super::results::{Results, Rows};
-use super::summary::{Comparison, Group, OUTCOMES, Summary};
+use super::summary::{Comparison, OUTCOMES, Summary, SummaryGroup};
 use super::{SweepError, row};
 use crate::statistics::{self, Moments, Paired, UnitMoments};
 use std::collections::BTreeMap;
@@ -370,7 +370,7 @@ impl<'a> SummaryReader<'a> {
         let names: Vec<&str> = row::input_columns().collect();
         let is_varied = |i: &usize| self.cells.iter().any(|cell| cell.inputs[*i] != self.cells[0].inputs[*i]);
         let varied: Vec<usize> = (0..names.len()).filter(is_varied).collect();
-        let group = |cell: &Cell| Group {
+        let group = |cell: &Cell| SummaryGroup {
             inputs: names.iter().zip(&cell.inputs).map(|(name, v)| ((*name).to_owned(), v.clone())).collect(),
             n: cell.n,
             arrived: cell.arrived,

@@ -18,9 +18,9 @@ pub(super) fn write(_: impl Read, _: impl Write + Send, _: &Origin) -> io::Resul
 }
 
 /// A reader that does not exist.
-pub(super) struct Reader(Infallible);
+pub(super) struct RowReader(Infallible);
 
-impl Reader {
+impl RowReader {
     /// The refusal.
     pub fn open(_: File, name: &str) -> Result<Self, SweepError> {
         check(name).and(Err(SweepError::no_parquet(name.to_owned())))
@@ -53,7 +53,7 @@ impl Ticks {
         match self.0 {}
     }
 
-    pub fn layout(&self) -> Layout {
+    pub fn layout(&self) -> ChunkLayout {
         match self.0 {}
     }
 
@@ -68,9 +68,9 @@ impl Ticks {
 
 /// Columns that do not exist.
 #[derive(Clone)]
-pub(super) struct Layout(Infallible);
+pub(super) struct ChunkLayout(Infallible);
 
-impl Layout {
+impl ChunkLayout {
     pub fn run(&self, _: &Study, _: u64, _: &dyn EpisodeMaker) -> (Vec<u8>, Infallible) {
         match self.0 {}
     }

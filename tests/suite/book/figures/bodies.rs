@@ -2,7 +2,7 @@
 
 use super::Figure;
 use super::results::{cells, ratio};
-use super::tables::{Row, Tables, counted, grouped, largest, least, line, mean};
+use super::tables::{FigureRow, Tables, counted, grouped, largest, least, line, mean};
 
 pub const FIGURES: &[Figure] = &[
     ("bodies.worlds", |t| grouped(t.row("worlds-with-bodies", &[]).number("worlds"))),
@@ -95,7 +95,7 @@ pub const FIGURES: &[Figure] = &[
     ("bodies-table-3.cells", |t| cheaper(t, UP)),
     ("bodies-table-3.cells-from-elbow-out", |t| cheaper(t, OUT)),
     ("bodies-table-3.significant", |t| {
-        let tested = |row: &&&Row| row.maybe("with_po_p_holm").is_some_and(|p| p < 0.05);
+        let tested = |row: &&&FigureRow| row.maybe("with_po_p_holm").is_some_and(|p| p < 0.05);
         let rows = t.rows(UP, &[]);
         let named: Vec<String> = rows
             .iter()
@@ -131,7 +131,7 @@ pub const FIGURES: &[Figure] = &[
 
 /// The least price down to which no fewer episodes arrive than by default.
 fn least_price(t: &Tables) -> String {
-    let all = |row: &Row| row.number("arrived") + row.number("worlds_arrived");
+    let all = |row: &FigureRow| row.number("arrived") + row.number("worlds_arrived");
     let default = all(t.row("guide-arrivals", DEFAULT_GUIDE));
     let priced = t.rows("guide-arrivals", &[]);
     let priced = priced.into_iter().filter(|row| row.text("guide").starts_with("price"));
@@ -177,7 +177,7 @@ fn guides(t: &Tables) -> String {
     ];
     let mut text = line(titles) + &line(["---"; 13]);
     for (arrivals, costs) in t.rows("guide-arrivals", &[]).into_iter().zip(t.rows("guide-costs", &[])) {
-        let number = |row: &Row, column: &str, decimals: usize| {
+        let number = |row: &FigureRow, column: &str, decimals: usize| {
             row.maybe(column).map_or("-".to_owned(), |number| format!("{number:.decimals$}"))
         };
         let sum = |columns: [&str; 2]| {
@@ -210,25 +210,25 @@ fn guides(t: &Tables) -> String {
 const UP: &str = "table-3-bodies-ratios-elbow-up";
 const OUT: &str = "table-3-bodies-ratios-elbow-out";
 
-fn sum(rows: &[&Row], column: &str) -> f64 {
+fn sum(rows: &[&FigureRow], column: &str) -> f64 {
     rows.iter().map(|row| row.number(column)).sum()
 }
 
-fn most(rows: &[&Row], column: &str) -> f64 {
+fn most(rows: &[&FigureRow], column: &str) -> f64 {
     largest(&rows.iter().map(|row| row.number(column)).collect::<Vec<_>>())
 }
 
 /// The rows with the methods of Table II.
-fn paper(t: &Tables) -> Vec<&Row> {
+fn paper(t: &Tables) -> Vec<&FigureRow> {
     let rows = t.rows("arrivals", &[("changes", "none")]);
     rows.into_iter().filter(|row| row.text("method") != "human-led").collect()
 }
 
-fn changing(t: &Tables) -> Vec<&Row> {
+fn changing(t: &Tables) -> Vec<&FigureRow> {
     t.rows("arrivals", &[("method", "mutual"), ("changes", "once or twice")])
 }
 
-fn arrived(rows: &[&Row]) -> String {
+fn arrived(rows: &[&FigureRow]) -> String {
     format!("{} of {}", sum(rows, "arrived"), sum(rows, "episodes"))
 }
 
@@ -247,7 +247,7 @@ fn arrivals(t: &Tables) -> String {
     worlds.dedup();
     for world in worlds {
         let cells = ["5.0", "10.5", "15.0", ""].map(|eta| {
-            let rows: Vec<&Row> = paper(t)
+            let rows: Vec<&FigureRow> = paper(t)
                 .into_iter()
                 .filter(|row| (row.text("world"), row.text("eta")) == (world, eta))
                 .collect();

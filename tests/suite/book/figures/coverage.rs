@@ -1,7 +1,7 @@
 //! How often the intervals of the fits contain the true value.
 
 use super::Figure;
-use super::tables::{Row, Tables, largest, line};
+use super::tables::{FigureRow, Tables, largest, line};
 
 pub const FIGURES: &[Figure] = &[
     ("coverage.studies", |t| {
@@ -15,7 +15,7 @@ pub const FIGURES: &[Figure] = &[
     ("coverage.least-squares", |t| risk_weight(t, "least_squares")),
 ];
 
-fn percent(row: &Row, of: &str) -> f64 {
+fn percent(row: &FigureRow, of: &str) -> f64 {
     100.0 * row.number(&format!("{of}_holds")) / row.number(&format!("{of}_stated"))
 }
 

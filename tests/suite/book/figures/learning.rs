@@ -1,7 +1,7 @@
 //! Figures of hypothesis H4, on the page of learning.
 
 use super::Figure;
-use super::tables::{Row, Tables, grouped, line};
+use super::tables::{FigureRow, Tables, grouped, line};
 
 const BY_HUMAN: &str = "learning-by-human";
 const BY_WORLD: &str = "learning-by-world";
@@ -43,8 +43,8 @@ pub const FIGURES: &[Figure] = &[
     ("h4.transitions-prior", |t| grouped(of_model(t, "prior", "2").number("transitions"))),
     ("h4.tasks", |t| grouped(of_model(t, "prior", "2").number("episodes"))),
     ("h4.regret-in-worlds", |t| {
-        let of = |robot: &str| -> Vec<&Row> { t.rows(BY_WORLD, &[("task", "2"), ("robot", robot)]) };
-        let of_world = |(prior, learns): (&&Row, &&Row)| {
+        let of = |robot: &str| -> Vec<&FigureRow> { t.rows(BY_WORLD, &[("task", "2"), ("robot", robot)]) };
+        let of_world = |(prior, learns): (&&FigureRow, &&FigureRow)| {
             let [before, now] = [prior, learns].map(|row| row.number("regret"));
             format!("{} {before:.2} and {now:.2}{}", prior.text("world"), significance(learns, "regret"))
         };
@@ -52,7 +52,8 @@ pub const FIGURES: &[Figure] = &[
     }),
     ("h4.human-cost-in-worlds", |t| {
         let rows = t.rows(BY_WORLD, &[("task", "2"), ("robot", "learns")]);
-        let of_world = |row: &&Row| format!("{} {}", row.text("world"), difference(row, "human_cost", 1));
+        let of_world =
+            |row: &&FigureRow| format!("{} {}", row.text("world"), difference(row, "human_cost", 1));
         rows.iter().map(of_world).collect::<Vec<_>>().join("; ")
     }),
     ("h4.human-rows", |t| {
@@ -130,7 +131,7 @@ fn named(tasks: &[&str]) -> String {
     if tasks.len() > 1 { "both".to_owned() } else { tasks[0].to_owned() }
 }
 
-fn of_model<'a>(t: &'a Tables, robot: &str, task: &str) -> &'a Row {
+fn of_model<'a>(t: &'a Tables, robot: &str, task: &str) -> &'a FigureRow {
     t.row(BY_HUMAN, &[("humans", "model"), ("task", task), ("robot", robot)])
 }
 
@@ -140,7 +141,7 @@ fn change(t: &Tables, task: &str, column: &str) -> String {
     format!("{:+.1} %", 100.0 * (learns / prior - 1.0))
 }
 
-fn of_control<'a>(t: &'a Tables, method: &str, pose: &str, task: &str, robot: &str) -> &'a Row {
+fn of_control<'a>(t: &'a Tables, method: &str, pose: &str, task: &str, robot: &str) -> &'a FigureRow {
     t.row(CONTROL, &[("method", method), ("pose", pose), ("world", "all"), ("task", task), ("robot", robot)])
 }
 
@@ -150,13 +151,13 @@ fn cost(t: &Tables, pose: &str, robot: &str) -> String {
 }
 
 /// ", n.s." where a difference to the prior is not significant.
-fn significance(row: &Row, key: &str) -> &'static str {
+fn significance(row: &FigureRow, key: &str) -> &'static str {
     let p = row.maybe(&format!("{key}_against_prior_p_holm"));
     if p.is_some_and(|p| p >= 0.05) { ", n.s." } else { "" }
 }
 
 /// A difference to the prior, with its 95 % interval; empty for the prior itself.
-fn difference(row: &Row, key: &str, decimals: usize) -> String {
+fn difference(row: &FigureRow, key: &str, decimals: usize) -> String {
     let of = |part: &str| row.maybe(&format!("{key}_against_prior_{part}"));
     match (of("difference"), of("lower"), of("upper")) {
         (Some(mean), Some(low), Some(high)) => {

@@ -1,9 +1,9 @@
 //! Figures of the page of results, and of the README.
 
 use super::Figure;
-use super::tables::{Row, Tables, counted, grouped, largest, least, line, mean};
+use super::tables::{FigureRow, Tables, counted, grouped, largest, least, line, mean};
 use crate::support::repository;
-use cocarry::episode::{Settings, prospects};
+use cocarry::episode::{EpisodeSettings, prospects};
 use cocarry::options::OptionSet;
 use cocarry::preference::ChoiceDistribution;
 use cocarry::scenario::WorldText;
@@ -38,7 +38,8 @@ pub const FIGURES: &[Figure] = &[
         let paper = ENVIRONMENTS[1].objective_cost;
         let falls = |costs: &[f64]| costs.windows(2).all(|pair| pair[1] <= pair[0]);
         assert!(falls(&paper) && falls(&t.column("table-2", &[("environment", "2")], "ours_mean_m")));
-        let [without, five, ten, _] = expected_costs(anew(), &Settings::default(), GRID).expect("a world");
+        let [without, five, ten, _] =
+            expected_costs(anew(), &EpisodeSettings::default(), GRID).expect("a world");
         assert!(five > without && ten > without, "H2 holds in {ANEW}: it may replace the built-in geometry");
         format!("{:.1} m with eta 5 and {:.1} m with eta 10.5", five - without, ten - without)
     }),
@@ -130,7 +131,7 @@ fn anew() -> WorldText {
 /// Tables I and II of the geometry that was searched for anew, worked out here, next to the kept ones of the
 /// built-in geometry.
 fn environment_2(t: &Tables) -> String {
-    let settings = Settings::default();
+    let settings = EpisodeSettings::default();
     let costs = |world: WorldText| expected_costs(world, &settings, GRID).expect("a world");
     let choices = |world: &World| -> Vec<f64> {
         let set = OptionSet::new(world, settings.predictor.risk_weight()).expect("options");
@@ -275,7 +276,8 @@ fn choice_costs(t: &Tables, choice: &str, value: &str) -> String {
 
 /// The mean ratio and that of the worst cell for every value of every choice.
 fn choices(t: &Tables) -> String {
-    let cell = |row: &Row| format!("{:.3} ({:.3})", row.number("mean_ratio"), row.number("worst_ratio"));
+    let cell =
+        |row: &FigureRow| format!("{:.3} ({:.3})", row.number("mean_ratio"), row.number("worst_ratio"));
     let of = |choice: &str| t.rows("table-3-choices", &[("choice", choice)]);
     let mut text = line(["choice", "default", "others"]) + &line(["---"; 3]);
     text += &line(["all", &cell(of("none")[0]), ""]);

@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// All tables, by name.
-pub struct Tables(BTreeMap<String, Vec<Row>>);
+pub struct Tables(BTreeMap<String, Vec<FigureRow>>);
 
 /// A row of a table.
 #[derive(Clone, Debug)]
-pub struct Row {
+pub struct FigureRow {
     table: String,
     values: BTreeMap<String, String>,
 }
@@ -31,14 +31,15 @@ impl Tables {
         let folder = repository("book/figures");
         let table = |name: String| {
             let rows = csv::Reader::from_path(folder.join(format!("{name}.csv"))).unwrap().into_deserialize();
-            let row = |values: Result<_, csv::Error>| Row { table: name.clone(), values: values.unwrap() };
+            let row =
+                |values: Result<_, csv::Error>| FigureRow { table: name.clone(), values: values.unwrap() };
             (name.clone(), rows.map(row).collect())
         };
         Self(files(&folder).into_iter().map(table).collect())
     }
 
     /// The rows of a table with these values.
-    pub fn rows(&self, table: &str, with: &[(&str, &str)]) -> Vec<&Row> {
+    pub fn rows(&self, table: &str, with: &[(&str, &str)]) -> Vec<&FigureRow> {
         let rows = self
             .0
             .get(table)
@@ -47,7 +48,7 @@ impl Tables {
     }
 
     /// The row of a table with these values, of which there is one.
-    pub fn row(&self, table: &str, with: &[(&str, &str)]) -> &Row {
+    pub fn row(&self, table: &str, with: &[(&str, &str)]) -> &FigureRow {
         match self.rows(table, with).as_slice() {
             [row] => row,
             rows => panic!("book/figures/{table}.csv has {} rows with {with:?}", rows.len()),
@@ -60,7 +61,7 @@ impl Tables {
     }
 }
 
-impl Row {
+impl FigureRow {
     pub fn text(&self, column: &str) -> &str {
         let value = self.values.get(column);
         value.unwrap_or_else(|| panic!("book/figures/{}.csv has no column {column}", self.table))

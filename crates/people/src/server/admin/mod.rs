@@ -17,7 +17,7 @@ use crate::digest::{hex, sha256};
 use crate::html::STYLE;
 use crate::site::Site;
 use crate::store::{Store, StoreError};
-use crate::study::Study;
+use crate::study::PeopleStudy;
 use axum::Router;
 use axum::body::Body;
 use axum::extract::{Path, Request, State};
@@ -65,7 +65,7 @@ pub fn token() -> io::Result<String> {
 }
 
 struct Office {
-    study: Arc<Study>,
+    study: Arc<PeopleStudy>,
     /// The digest of what participants see now.
     study_sha256: String,
     /// Read by one request at a time.
@@ -80,7 +80,7 @@ impl Admin {
     /// The listener, and what it serves.
     pub(super) fn prepared(
         self,
-        study: Arc<Study>,
+        study: Arc<PeopleStudy>,
         site: &Site,
         log: Arc<Log>,
     ) -> io::Result<(TcpListener, Router)> {

@@ -4,7 +4,7 @@ use crate::collect::Collected;
 use crate::html::{escaped, page, paragraphs, table};
 use crate::order::{Trial, orders};
 use crate::store::Progress;
-use crate::study::Study;
+use crate::study::PeopleStudy;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
@@ -24,7 +24,7 @@ pub(super) fn is_download(file: &str) -> bool {
 
 /// The page. `study_sha256` is the digest of what participants see now; `now` is in seconds since 1970.
 pub(super) fn overview(
-    study: &Study,
+    study: &PeopleStudy,
     study_sha256: &str,
     progress: &[Progress],
     collected: &Collected,
@@ -53,7 +53,7 @@ pub(super) fn overview(
     )
 }
 
-fn counts(study: &Study, progress: &[Progress], now: i64) -> String {
+fn counts(study: &PeopleStudy, progress: &[Progress], now: i64) -> String {
     let finished = progress.iter().filter(|person| person.is_finished).count();
     let (left, answering) = unfinished(progress, now);
     let last = progress.iter().max_by_key(|person| person.last);
@@ -147,7 +147,7 @@ fn measured_world(page: &Trial) -> Option<usize> {
 }
 
 /// The participants of each order of the worlds.
-fn order_rows(study: &Study, orders: &[Vec<Trial>], progress: &[Progress]) -> String {
+fn order_rows(study: &PeopleStudy, orders: &[Vec<Trial>], progress: &[Progress]) -> String {
     let row = |(at, order): (usize, &Vec<Trial>)| {
         let mut seen = BTreeSet::new();
         let worlds = order.iter().filter_map(measured_world).filter(|world| seen.insert(*world));

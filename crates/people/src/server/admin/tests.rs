@@ -4,14 +4,14 @@ use super::page::overview;
 use crate::collect::collect;
 use crate::digest::sha256;
 use crate::store::{Begin, Chunk, Store};
-use crate::study::{Study, TEMPLATE};
+use crate::study::{PeopleStudy, TEMPLATE};
 
 #[test]
 fn progress_drop_outs_flags_and_hostile_texts_are_shown_as_text() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("study.toml");
     std::fs::write(&file, TEMPLATE.replace("Carrying together", "Carrying <b>together</b>")).unwrap();
-    let study = Study::read(&file).unwrap();
+    let study = PeopleStudy::read(&file).unwrap();
     let mut store = Store::open(&study.database()).unwrap();
     let mut put = |person: u8, study: &str, [trial, now]: [u32; 2], data: &str| {
         let (key, now) = (sha256(&[person]), i64::from(now));

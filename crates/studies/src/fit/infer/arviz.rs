@@ -1,8 +1,8 @@
 //! The result of an inference as a store of ArviZ's groups.
 
-use super::{CHAINS, Draws, Inference, Settings, Switches};
+use super::{CHAINS, Draws, Inference, InferenceSettings, Switches};
 use crate::fit::{Answers, set::hull};
-use crate::zarr::{Array, Group, Store, Values};
+use crate::zarr::{Array, Store, Values, ZarrGroup};
 
 type Dimension = (String, usize);
 
@@ -28,7 +28,12 @@ fn numbers(name: &str, dimensions: Vec<Dimension>, values: Vec<f64>) -> Array {
 
 impl Inference {
     /// Groups `posterior`, `prior`, `sample_stats` and `observed_data`, as ArviZ names them.
-    pub fn store(&self, answers: Option<&Answers>, switches: Option<Switches>, settings: &Settings) -> Store {
+    pub fn store(
+        &self,
+        answers: Option<&Answers>,
+        switches: Option<Switches>,
+        settings: &InferenceSettings,
+    ) -> Store {
         let mut store = Store::default();
         let attributes = [
             ("inference_library", "cocarry".into()),
@@ -42,8 +47,8 @@ impl Inference {
         let by_draw = by_draw(&self.posterior);
         let lp = numbers("lp", by_draw.to_vec(), self.posterior.log_density.clone());
         let arrays = by_draw.map(|(name, length)| indices(&name, length)).into_iter().chain([lp]).collect();
-        store.groups.push(Group { name: "sample_stats".to_owned(), arrays });
-        let mut observed = Group { name: "observed_data".to_owned(), arrays: Vec::new() };
+        store.groups.push(ZarrGroup { name: "sample_stats".to_owned(), arrays });
+        let mut observed = ZarrGroup { name: "observed_data".to_owned(), arrays: Vec::new() };
         if let Some(answers) = answers {
             observed.arrays.extend(shares(answers));
         }
@@ -69,7 +74,7 @@ impl Inference {
         store
     }
 
-    fn group(&self, name: &str, draws: &Draws) -> Group {
+    fn group(&self, name: &str, draws: &Draws) -> ZarrGroup {
         let by_draw = by_draw(draws);
         let names: Vec<String> = self.people.iter().map(|person| person.participant.clone()).collect();
         let mut by_person = by_draw.to_vec();
@@ -87,7 +92,7 @@ impl Inference {
         for (name, all) in names.into_iter().zip(&draws.population).filter(|(_, all)| !all.is_empty()) {
             arrays.push(numbers(name, by_draw.to_vec(), all.clone()));
         }
-        Group { name: name.to_owned(), arrays }
+        ZarrGroup { name: name.to_owned(), arrays }
     }
 }
 

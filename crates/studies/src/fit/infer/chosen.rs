@@ -2,7 +2,7 @@
 //! worlds, whose people answer in few different ways.
 
 use super::evidence::Perceived;
-use super::inputs::{Model, Settings};
+use super::inputs::{InferenceModel, InferenceSettings};
 use super::population::{Figure, Grid, weights};
 use crate::fit::{Answers, Situation};
 use cocarry::Error;
@@ -26,7 +26,11 @@ impl ChosenWorlds {
     ///
     /// # Errors
     /// The belief is not valid.
-    pub fn new(situations: Vec<Situation>, model: &Model, settings: &Settings) -> Result<Self, Error> {
+    pub fn new(
+        situations: Vec<Situation>,
+        model: &InferenceModel,
+        settings: &InferenceSettings,
+    ) -> Result<Self, Error> {
         Ok(Self {
             situations,
             grid: Grid::new(model.belief.ranges())?,
@@ -94,7 +98,7 @@ mod tests {
             shares: chosen.iter().map(|own| own.iter().map(|o| one_hot(*o)).collect()).collect(),
             scaled: Vec::new(),
         };
-        let model = Model { belief: Belief::default(), risk_weight: RISK_WEIGHT };
+        let model = InferenceModel { belief: Belief::default(), risk_weight: RISK_WEIGHT };
         let settings = InferenceSettings { draws: 1, keeps_draws: false, ..InferenceSettings::default() };
         let inferred =
             infer(Some(&answers), None, &[], &model, &settings, &|| ()).unwrap().population.unwrap();

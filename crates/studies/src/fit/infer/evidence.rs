@@ -1,6 +1,6 @@
 //! The evidence of a participant's answers and switches: likelihoods, and the exact posterior from them.
 
-use super::inputs::{Settings, Walk};
+use super::inputs::{InferenceSettings, Walk};
 use crate::fit::set::{Set, hull, intersection};
 use crate::fit::{Answers, Situation};
 use cocarry::Error;
@@ -126,7 +126,7 @@ pub(super) fn tolerance(
     file: &str,
     participant: &str,
     sets: Vec<Set>,
-    settings: &Settings,
+    settings: &InferenceSettings,
 ) -> Result<Tolerance, Error> {
     let sets: Vec<Set> = sets.into_iter().filter(|set| !set.is_empty()).collect();
     let contradicts = !sets.is_empty() && intersection(&sets).is_empty();

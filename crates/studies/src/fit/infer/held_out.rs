@@ -2,7 +2,7 @@
 //! answers for every option as predicted.
 
 use super::evidence::{Perceived, answered, predicted};
-use super::inputs::{Model, Settings};
+use super::inputs::{InferenceModel, InferenceSettings};
 use crate::fit::{Answers, RiskWeightSettings, fit_risk_weight};
 use crate::parallel::{OnDone, in_parallel};
 use cocarry::Error;
@@ -63,8 +63,8 @@ struct Predicted {
 pub(super) fn held_out(
     answers: &Answers,
     prior: &Perceived,
-    model: &Model,
-    settings: &Settings,
+    model: &InferenceModel,
+    settings: &InferenceSettings,
     on_done: OnDone,
 ) -> Result<(Vec<HeldOut>, Vec<OptionCheck>), Error> {
     let worlds = answers.situations.len();
@@ -109,7 +109,7 @@ pub(super) fn held_out(
 }
 
 /// The probabilities in a held-out world of c_r and lapse rate fitted to the other worlds.
-fn fitted(answers: &Answers, model: &Model, world: usize) -> Option<Vec<f64>> {
+fn fitted(answers: &Answers, model: &InferenceModel, world: usize) -> Option<Vec<f64>> {
     let held_out = answers.situations[world].world.clone();
     let settings = RiskWeightSettings {
         resamples: 0,

@@ -7,7 +7,7 @@ use cocarry::preference::Belief;
 
 /// Settings of an inference.
 #[derive(Clone, Copy, Debug)]
-pub struct Settings {
+pub struct InferenceSettings {
     /// The probability that an answer, or a time of taking over, says nothing about its participant.
     pub lapse_rate: f64,
     /// The prior of eta.
@@ -22,16 +22,16 @@ pub struct Settings {
     pub seed: u64,
 }
 
-impl Default for Settings {
+impl Default for InferenceSettings {
     fn default() -> Self {
-        let learning::Settings { lapse_rate, tolerance, .. } = learning::Settings::default();
+        let learning::LearningSettings { lapse_rate, tolerance, .. } = learning::LearningSettings::default();
         Self { lapse_rate, tolerance, has_population: true, draws: 1000, keeps_draws: true, seed: 0 }
     }
 }
 
 /// The belief about people before their answers, and c_r.
 #[derive(Clone, Debug)]
-pub struct Model {
+pub struct InferenceModel {
     /// The prior of every participant; of a population, its ranges.
     pub belief: Belief,
     /// c_r, m.

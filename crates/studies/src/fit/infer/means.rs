@@ -3,7 +3,7 @@
 //! The percentages are taken as numbers of choices: as many people as there are, each choosing one option.
 
 use super::evidence::Perceived;
-use super::inputs::{Model, Settings};
+use super::inputs::{InferenceModel, InferenceSettings};
 use super::population::{Grid, Population, weights};
 use crate::fit::Answers;
 use crate::parallel::{OnDone, in_parallel};
@@ -44,8 +44,8 @@ pub struct MeansRow {
 pub fn infer_means(
     answers: &Answers,
     people: u64,
-    model: &Model,
-    settings: &Settings,
+    model: &InferenceModel,
+    settings: &InferenceSettings,
     on_done: OnDone,
 ) -> Result<Means, Error> {
     let [alphas, gammas] = model.belief.ranges();

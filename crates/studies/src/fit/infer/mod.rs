@@ -16,7 +16,7 @@ mod population;
 pub use chosen::{ChoiceEvidence, ChosenWorlds};
 pub use draws::{CHAINS, Draws};
 pub use held_out::{HeldOut, OptionCheck, Score};
-pub use inputs::{Model, Settings, Switches, Walk};
+pub use inputs::{InferenceModel, InferenceSettings, Switches, Walk};
 pub use means::{Means, MeansRow, infer_means};
 pub use perceptions::{PERCEPTION_UNITS, PerceptionScore, compare_perceptions};
 pub use population::{Figure, Population, QUANTITIES};
@@ -73,9 +73,9 @@ pub struct Inference {
     /// Answers for every option against the predictions; empty with fewer than two worlds.
     pub checks: Vec<OptionCheck>,
     /// Draws from the posterior: with a population, from that of the population and everybody in it. None of
-    /// people without [`Settings::keeps_draws`].
+    /// people without [`InferenceSettings::keeps_draws`].
     pub posterior: Draws,
-    /// Draws from the prior; empty without [`Settings::keeps_draws`].
+    /// Draws from the prior; empty without [`InferenceSettings::keeps_draws`].
     pub prior: Draws,
 }
 
@@ -87,8 +87,8 @@ pub fn infer(
     answers: Option<&Answers>,
     switches: Option<Switches>,
     walks: &[Walk],
-    model: &Model,
-    settings: &Settings,
+    model: &InferenceModel,
+    settings: &InferenceSettings,
     on_done: OnDone,
 ) -> Result<Inference, Error> {
     let prior = Perceived::new(&model.belief, model.risk_weight)?;
@@ -224,7 +224,7 @@ fn weighed(grid: &Grid, people: &[Perceived], on_done: OnDone) -> Option<(Vec<f6
 }
 
 /// Draws from the same model without any answers and switches.
-fn prior_draws(source: &DrawSource, prior: &Perceived, settings: &Settings) -> Result<Draws, Error> {
+fn prior_draws(source: &DrawSource, prior: &Perceived, settings: &InferenceSettings) -> Result<Draws, Error> {
     let tolerance = Tolerance::new(source.tolerance, settings.lapse_rate)?;
     let tolerances = vec![tolerance; source.tolerances.len()];
     let even = vec![1.0 / source.grid.len() as f64; source.grid.len()];

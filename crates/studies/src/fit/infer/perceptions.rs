@@ -3,12 +3,12 @@
 
 use super::evidence::{answered, likelihoods};
 use super::held_out::{Score, score};
-use super::inputs::{Model, Settings};
+use super::inputs::{InferenceModel, InferenceSettings};
 use crate::fit::Answers;
 use crate::parallel::{OnDone, in_parallel};
 use cocarry::Error;
 use cocarry::math;
-use cocarry::preference::{ALTERNATIVES, Group, Prospect, RiskPerception, StevensPrelec};
+use cocarry::preference::{ALTERNATIVES, ChoiceGroup, Prospect, RiskPerception, StevensPrelec};
 use serde::Serialize;
 
 /// c_r that are tried: the given one times 2^(i/3), for i from minus to plus this number.
@@ -40,16 +40,17 @@ pub struct PerceptionScore {
 /// People who make the same choices in all worlds, with one c_r.
 struct Fitted {
     risk_weight: f64,
-    groups: Vec<Group>,
+    groups: Vec<ChoiceGroup>,
     /// By participant, world and group, the likelihood of the answer; none where there is no answer.
     likelihoods: Vec<Vec<Option<Vec<f64>>>>,
 }
 
 impl Fitted {
-    fn new(risk_weight: f64, groups: Vec<Group>, answers: &Answers, lapse_rate: f64) -> Self {
+    fn new(risk_weight: f64, groups: Vec<ChoiceGroup>, answers: &Answers, lapse_rate: f64) -> Self {
         let of = |shares: &Vec<f64>, w: usize| -> Vec<f64> {
             let by_option = likelihoods(shares, lapse_rate);
-            let mean = |group: &Group| group.preferred[w].iter().zip(&by_option).map(|(p, l)| p * l).sum();
+            let mean =
+                |group: &ChoiceGroup| group.preferred[w].iter().zip(&by_option).map(|(p, l)| p * l).sum();
             groups.iter().map(mean).collect()
         };
         let likelihoods = answers.shares.iter().map(|worlds| {
@@ -103,8 +104,8 @@ pub const PERCEPTION_UNITS: usize = (1 + ALTERNATIVES.len()) * WEIGHTS;
 /// c_r is 0: no perception of risk matters.
 pub fn compare_perceptions(
     answers: &Answers,
-    model: &Model,
-    settings: &Settings,
+    model: &InferenceModel,
+    settings: &InferenceSettings,
     on_done: OnDone,
 ) -> Result<Vec<PerceptionScore>, Error> {
     let worlds = answers.situations.len();
@@ -141,7 +142,7 @@ fn row(
     perception: &dyn RiskPerception,
     all: &[Fitted],
     answers: &Answers,
-    settings: &Settings,
+    settings: &InferenceSettings,
 ) -> PerceptionScore {
     let given = &all[STEPS as usize];
     // by posterior and prior with the given c_r, then with the fitted one

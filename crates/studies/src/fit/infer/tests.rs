@@ -26,8 +26,8 @@ fn situations() -> Vec<Situation> {
     worlds.iter().enumerate().map(of).collect()
 }
 
-fn model() -> Model {
-    Model { belief: Belief::default(), risk_weight: RISK_WEIGHT }
+fn model() -> InferenceModel {
+    InferenceModel { belief: Belief::default(), risk_weight: RISK_WEIGHT }
 }
 
 /// One choice of each human in every world, with lapses.
@@ -51,12 +51,12 @@ fn answers(humans: &[Perception], lapse_rate: f64, rng: &mut ChaCha8Rng) -> Answ
     }
 }
 
-fn inferred(answers: &Answers, settings: &Settings) -> Inference {
+fn inferred(answers: &Answers, settings: &InferenceSettings) -> Inference {
     infer(Some(answers), None, &[], &model(), settings, &|| ()).unwrap()
 }
 
-fn few_draws(lapse_rate: f64) -> Settings {
-    Settings { lapse_rate, draws: 250, ..Settings::default() }
+fn few_draws(lapse_rate: f64) -> InferenceSettings {
+    InferenceSettings { lapse_rate, draws: 250, ..InferenceSettings::default() }
 }
 
 #[test]
@@ -162,7 +162,7 @@ fn draws_have_the_moments_of_the_posterior() {
     let humans = [(0.6, 0.6), (0.9, 1.0), (0.75, 0.8)];
     let humans = humans.map(|(alpha, gamma)| Perception { alpha, gamma });
     let answers = answers(&humans, 0.0, &mut ChaCha8Rng::seed_from_u64(1));
-    let settings = Settings { has_population: false, draws: 2500, ..Settings::default() };
+    let settings = InferenceSettings { has_population: false, draws: 2500, ..InferenceSettings::default() };
     let inference = inferred(&answers, &settings);
     for (p, person) in inference.people.iter().enumerate() {
         let all =
@@ -272,7 +272,7 @@ fn answers_by(
 fn answers_follow_the_perception_of_risk_that_made_them() {
     let paper = StevensPrelec::new(Belief::default());
     // with 10 m, cumulative prospect theory and expected risk have everybody choose the same
-    let model = Model { risk_weight: 40.0, ..model() };
+    let model = InferenceModel { risk_weight: 40.0, ..model() };
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     for perception in ALTERNATIVES.into_iter().chain([&paper as &dyn RiskPerception]) {
         let answers = answers_by(perception, 200, model.risk_weight, 0.02, &mut rng);

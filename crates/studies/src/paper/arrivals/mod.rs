@@ -3,12 +3,12 @@
 
 pub mod section;
 
-use super::{COLUMNS, prepared, run};
+use super::{COLUMNS, prepared, run_prepared};
 use crate::parallel::{OnDone, in_parallel};
 use crate::statistics::mean_and_std;
 use cocarry::Error;
 use cocarry::coordination;
-use cocarry::episode::{ControlSummary, InteractionSummary, Outcome, Settings, Summary};
+use cocarry::episode::{ControlSummary, EpisodeSettings, InteractionSummary, Outcome, Summary};
 use cocarry::policy::Method;
 use cocarry::scenario::{
     GivenPerception, GivenWorld, Plant, PreferenceChanges, Scenario, WorldText, drawn_changes, drawn_human,
@@ -16,16 +16,16 @@ use cocarry::scenario::{
 use cocarry::world::BUILT_IN_WORLDS;
 use serde::Serialize;
 
-/// Default number of seeds, for [`Study::seeds`].
+/// Default number of seeds, for [`ArrivalStudy::seeds`].
 pub const SEEDS: usize = 100;
 
 /// The study of arrivals.
 #[derive(Clone, Copy, Debug)]
-pub struct Study<'a> {
+pub struct ArrivalStudy<'a> {
     /// The physical plant.
     pub plant: &'a Plant,
     /// The episode's settings; method and eta are replaced.
-    pub settings: &'a Settings,
+    pub settings: &'a EpisodeSettings,
     /// Humans in each cell of Table II's methods; fewer in the other [`Cell`]s.
     pub seeds: usize,
     /// Seed of the first human and its gait; the others have the seeds that follow.
@@ -72,7 +72,7 @@ pub struct ArrivalRow {
     pub effort_share: f64,
 }
 
-impl Study<'_> {
+impl ArrivalStudy<'_> {
     /// The cells, with their number of humans: Table II's methods; two fifths of the humans where they lead,
     /// with and without changes of preference; a fifth with `mutual` and changes.
     fn cells(&self) -> Vec<(Cell, usize)> {
@@ -108,8 +108,8 @@ impl Study<'_> {
 
     fn row(&self, world: &GivenWorld, cell: Cell, n: usize, on_done: OnDone) -> Result<ArrivalRow, Error> {
         let base = self.settings.coordination;
-        let coordination = coordination::Settings { eta: cell.eta.unwrap_or(base.eta), ..base };
-        let settings = Settings { method: cell.method, coordination, ..self.settings.clone() };
+        let coordination = coordination::StubbornnessSettings { eta: cell.eta.unwrap_or(base.eta), ..base };
+        let settings = EpisodeSettings { method: cell.method, coordination, ..self.settings.clone() };
         let prepared = prepared(world.clone(), &settings, self.plant)?;
         let (belief, given) = (settings.predictor.belief(), GivenPerception::default());
         let ends = in_parallel(n, on_done, |i| {
@@ -122,7 +122,10 @@ impl Study<'_> {
                 }
                 false => Vec::new(),
             };
-            run(&prepared.prepare(Scenario { seed, human, changes, ..prepared.scenario().clone() })?, |_| ())
+            run_prepared(
+                &prepared.prepare(Scenario { seed, human, changes, ..prepared.scenario().clone() })?,
+                |_| (),
+            )
         });
         let ends = ends.into_iter().collect::<Result<Vec<Summary>, Error>>()?;
         let control = |of: fn(&ControlSummary, u64) -> f64| -> Vec<f64> {

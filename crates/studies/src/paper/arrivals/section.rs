@@ -1,6 +1,6 @@
 //! How a team with bodies carries in all built-in worlds: arrivals, errors, grips and forces.
 
-use crate::paper::arrivals::{ArrivalRow, Study};
+use crate::paper::arrivals::{ArrivalRow, ArrivalStudy};
 use crate::paper::part::{Block, Finding, Part, Plan, Section, grouped, holds, none};
 use crate::parallel::OnDone;
 use crate::table::{Cell, Columns, Table};
@@ -13,15 +13,15 @@ pub(crate) const PART: Part = Part {
     name: "arrivals",
     episodes: |plan| with_study(plan, |study| study.units()),
     studies: none,
-    run,
+    run: arrivals_section,
 };
 
-fn with_study<T>(plan: &Plan, work: impl FnOnce(&Study) -> T) -> T {
+fn with_study<T>(plan: &Plan, work: impl FnOnce(&ArrivalStudy) -> T) -> T {
     let plant = &Plant::new(PlantKind::Rapier, RobotSetup::new(plan.robot));
-    work(&Study { plant, settings: &plan.settings, seeds: plan.seeds, seed: plan.seed })
+    work(&ArrivalStudy { plant, settings: &plan.settings, seeds: plan.seeds, seed: plan.seed })
 }
 
-fn run(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
+fn arrivals_section(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let rows = with_study(plan, |study| study.table(on_done))?;
     let text = "Robot, object and human with bodies, in the four environments and the workshop. A contact with an obstacle ends an episode.";
     Ok(Section {

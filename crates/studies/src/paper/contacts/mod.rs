@@ -3,10 +3,10 @@
 
 pub mod section;
 
-use super::{prepared, run};
+use super::{prepared, run_prepared};
 use crate::parallel::{OnDone, in_parallel};
 use cocarry::Error;
-use cocarry::episode::{Outcome, Settings};
+use cocarry::episode::{EpisodeSettings, Outcome};
 use cocarry::math;
 use cocarry::policy::Method;
 use cocarry::scenario::{Plant, Scenario};
@@ -29,11 +29,11 @@ const APPROACH_M: f64 = 4.0;
 
 /// The study of contacts.
 #[derive(Clone, Copy, Debug)]
-pub struct Study<'a> {
+pub struct ContactStudy<'a> {
     /// The physical plant, with the human's sway.
     pub plant: &'a Plant,
     /// The episode's settings; the method is replaced by human-led.
-    pub settings: &'a Settings,
+    pub settings: &'a EpisodeSettings,
     /// Walks through each opening from each angle, each with its own gait.
     pub walks: usize,
     /// Seed of the gaits.
@@ -61,7 +61,7 @@ pub struct ContactRow {
     pub clearance: f64,
 }
 
-impl Study<'_> {
+impl ContactStudy<'_> {
     /// Units of work, for a progress bar.
     pub fn units(&self) -> usize {
         RISKS.len() * ANGLES.len() * self.walks
@@ -107,14 +107,14 @@ impl Study<'_> {
 
     fn walks(&self, risk: f64, angle: f64, on_done: OnDone) -> Result<Vec<WalkEnd>, Error> {
         let world = World::parse("opening", &world(ROBOT_WIDTH / risk, angle.to_radians()))?;
-        let settings = Settings { method: Method::WITHOUT_MODEL, ..self.settings.clone() };
+        let settings = EpisodeSettings { method: Method::WITHOUT_MODEL, ..self.settings.clone() };
         let human = settings.predictor.belief().sample(&mut ChaCha8Rng::seed_from_u64(self.seed));
         let prepared = prepared(world, &settings, self.plant)?;
         let ends = in_parallel(self.walks, on_done, |i| {
             let seed = self.seed.wrapping_add(i as u64);
             let walk = prepared.prepare(Scenario { seed, human, ..prepared.scenario().clone() })?;
             let mut clearance = f64::INFINITY;
-            let summary = run(&walk, |tick| {
+            let summary = run_prepared(&walk, |tick| {
                 let physics = tick.robot.and_then(|robot| robot.physics);
                 clearance = physics.map_or(clearance, |p| clearance.min(p.obstacle_distance));
             })?;

@@ -1,6 +1,6 @@
 //! Contacts with the sides of an opening, by the paper's risk S.
 
-use crate::paper::contacts::{ANGLES, ContactRow, RISKS, Study};
+use crate::paper::contacts::{ANGLES, ContactRow, ContactStudy, RISKS};
 use crate::paper::part::{Block, Figure, Finding, Part, Plan, Section, none};
 use crate::parallel::OnDone;
 use crate::table::{Cell, Columns, Table};
@@ -14,12 +14,12 @@ pub(crate) const PART: Part = Part {
     name: "contacts",
     episodes: |plan| RISKS.len() * ANGLES.len() * plan.walks,
     studies: none,
-    run,
+    run: contacts_section,
 };
 
-fn run(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
+fn contacts_section(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(plan.robot));
-    let study = Study { plant: &plant, settings: &plan.settings, walks: plan.walks, seed: plan.seed };
+    let study = ContactStudy { plant: &plant, settings: &plan.settings, walks: plan.walks, seed: plan.seed };
     let rows = study.table(on_done)?;
     let text = "The paper takes S = d\u{1d63} / w as the risk of an opening of width w. Here a team with bodies walks through single openings, led by the human, \
                 from three angles to the opening's axis.";

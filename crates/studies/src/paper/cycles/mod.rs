@@ -12,7 +12,7 @@ use super::placed::Placed;
 use super::{prepared, run_episode};
 use crate::parallel::{OnDone, in_parallel};
 use cocarry::coordination;
-use cocarry::episode::{Outcome, Settings, Tick};
+use cocarry::episode::{EpisodeSettings, Outcome, Tick};
 use cocarry::math;
 use cocarry::preference::Perception;
 use cocarry::scenario::{Plant, PlantKind, Scenario, WorldText};
@@ -38,7 +38,7 @@ pub struct Search<'a> {
     /// The plant.
     pub plant: &'a Plant,
     /// The episode's settings; eta is replaced.
-    pub settings: &'a Settings,
+    pub settings: &'a EpisodeSettings,
     /// Number of worlds.
     pub worlds: usize,
     /// Seed of the first world, its human, eta and gait; the other worlds have the seeds that follow.
@@ -135,8 +135,9 @@ impl Search<'_> {
     fn trial(&self, seed: u64) -> Result<Trial, Error> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let (human, eta) = random_human(self.settings, &mut rng);
-        let coordination = coordination::Settings { eta, ..self.settings.coordination };
-        let settings = Settings { coordination, predict_while_human_leads: false, ..self.settings.clone() };
+        let coordination = coordination::StubbornnessSettings { eta, ..self.settings.coordination };
+        let settings =
+            EpisodeSettings { coordination, predict_while_human_leads: false, ..self.settings.clone() };
         let draw_world = |rng: &mut ChaCha8Rng| match self.plant.kind() {
             PlantKind::Point | PlantKind::Kinematic => random_world(rng),
             PlantKind::Rapier => mixed_world(rng, true),
@@ -218,7 +219,7 @@ impl Search<'_> {
 }
 
 /// A random human and eta, from 1 to 30: sensitive and tolerant humans are equally frequent.
-pub(super) fn random_human(settings: &Settings, rng: &mut ChaCha8Rng) -> (Perception, f64) {
+pub(super) fn random_human(settings: &EpisodeSettings, rng: &mut ChaCha8Rng) -> (Perception, f64) {
     let human = settings.predictor.belief().sample(rng);
     (human, math::exp(rng.random_range(0.0..math::ln(30f64))))
 }

@@ -9,8 +9,13 @@ use cocarry::Error;
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 
 /// The search.
-pub(crate) const PART: Part =
-    Part { id: "cycles", name: "random worlds", episodes: |plan| plan.worlds, studies: none, run };
+pub(crate) const PART: Part = Part {
+    id: "cycles",
+    name: "random worlds",
+    episodes: |plan| plan.worlds,
+    studies: none,
+    run: cycles_section,
+};
 
 /// The search with a robot that follows the team.
 pub(crate) const WITH_ROBOT: Part = Part {
@@ -77,7 +82,7 @@ fn finding_with_bodies(findings: &Findings) -> Finding {
     }
 }
 
-fn run(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
+fn cycles_section(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let (settings, worlds, seed) = (&plan.settings, plan.worlds, plan.seed);
     let search = Search { plant: &Plant::Point, settings, worlds, seed, placed: Placed::AsDrawn };
     let findings = search.run(on_done)?;

@@ -11,7 +11,8 @@ use cocarry::preference::{ChoiceDistribution, Predictor, Regions, perceived_dist
 use cocarry_output::drawing::{Curve, CurvePanel, RegionPanel, Sheet, curves, preference_regions, world_map};
 
 /// Table I.
-pub(crate) const PART: Part = Part { id: "h1", name: "Table I", episodes: none, studies: none, run };
+pub(crate) const PART: Part =
+    Part { id: "h1", name: "Table I", episodes: none, studies: none, run: table_1_section };
 
 /// The paper's ranges, and the value of a human with true perception.
 const ALPHAS: [f64; 6] = [0.55, 0.65, 0.75, 0.85, 0.95, 1.0];
@@ -60,7 +61,7 @@ fn fits_table(fits: &[Fit]) -> Table {
         )
 }
 
-fn run(plan: &Plan, _: crate::parallel::OnDone) -> Result<Section, Error> {
+fn table_1_section(plan: &Plan, _: crate::parallel::OnDone) -> Result<Section, Error> {
     let predictor = &plan.settings.predictor;
     let rows = h1::table(predictor)?;
     let fits = h1::fits(&rows);

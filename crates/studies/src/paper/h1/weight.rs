@@ -15,7 +15,7 @@ use cocarry_output::drawing::{self, AnswerPanel, AnswerRow, RiskWeightMark};
 
 /// The fit of c_r.
 pub(crate) const PART: Part =
-    Part { id: "risk-weight", name: "fit of c_r", episodes: none, studies: none, run };
+    Part { id: "risk-weight", name: "fit of c_r", episodes: none, studies: none, run: risk_weight_section };
 
 /// Answers and fits, and the error over c_r.
 ///
@@ -45,7 +45,7 @@ pub fn answers_picture(fit: &RiskWeightFit) -> Result<String, Error> {
     drawing::answers(&panels, &fit.curve, &marks, &fit.caution())
 }
 
-fn run(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
+fn risk_weight_section(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let predictor = &plan.settings.predictor;
     let mut situations = Vec::new();
     let mut shares = Vec::new();

@@ -18,7 +18,7 @@ pub(crate) const PART: Part = Part {
     name: "Table II with bodies",
     episodes: |plan| 2 * h2::units(plan.humans),
     studies: none,
-    run,
+    run: table_2_with_bodies_section,
 };
 
 /// Table II's episodes with bodies, compared with those without.
@@ -72,7 +72,7 @@ pub fn table_2_with_bodies(rows: &[BodiesRow], humans: usize, sway: f64) -> Tabl
     }
 }
 
-fn run(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
+fn table_2_with_bodies_section(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(plan.robot));
     let study = WithBodies { plant: &plant, settings: &plan.settings, humans: plan.humans, seed: plan.seed };
     // a human's episode as a point and the one with bodies finish together

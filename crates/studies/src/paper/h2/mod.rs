@@ -5,12 +5,12 @@ pub mod bodies;
 pub mod section;
 
 use super::{COLUMNS, ENVIRONMENTS, EXAMPLE, EXAMPLE_ENVIRONMENT, EXAMPLE_HUMAN, Environment};
-use super::{Route, prepared, route, run};
+use super::{Route, prepared, route, run_prepared};
 use crate::parallel::{OnDone, in_parallel};
 use crate::statistics::{self, Paired, mean_and_std};
 use cocarry::Error;
 use cocarry::coordination::{self, Mode};
-use cocarry::episode::{Episode, Outcome, Settings, Summary, Tick};
+use cocarry::episode::{Episode, EpisodeSettings, Outcome, Summary, Tick};
 use cocarry::policy::Method;
 use cocarry::preference::{Belief, Perception};
 use cocarry::scenario::{GivenWorld, Plant, PreparedScenario, Scenario};
@@ -57,7 +57,7 @@ pub struct CostRow {
 ///
 /// # Errors
 /// If a built-in world is not valid.
-pub fn table(settings: &Settings, seed: u64, on_done: OnDone) -> Result<Vec<CostRow>, Error> {
+pub fn table(settings: &EpisodeSettings, seed: u64, on_done: OnDone) -> Result<Vec<CostRow>, Error> {
     let grid = humans_on_grid(settings.predictor.belief(), GRID);
     let sample = humans_at_random(settings.predictor.belief(), seed, SAMPLES);
     let mut rows = Vec::new();
@@ -118,7 +118,7 @@ fn cell(
 /// If the world or its options are not valid.
 pub fn expected_costs(
     world: impl Into<GivenWorld>,
-    settings: &Settings,
+    settings: &EpisodeSettings,
     n: usize,
 ) -> Result<[f64; COLUMNS.len()], Error> {
     let prepared = prepared(world, settings, &Plant::Point)?;
@@ -149,11 +149,11 @@ fn with_eta(
     human: Perception,
 ) -> Result<PreparedScenario, Error> {
     let base = prepared.scenario();
-    let coordination = coordination::Settings {
+    let coordination = coordination::StubbornnessSettings {
         eta: eta.unwrap_or(base.settings.coordination.eta),
         ..base.settings.coordination
     };
-    let settings = Settings {
+    let settings = EpisodeSettings {
         method: method(eta),
         coordination,
         predict_while_human_leads: false,
@@ -226,7 +226,10 @@ pub struct ExampleRun {
 ///
 /// # Errors
 /// If the built-in world is not valid.
-pub fn example(environment: &Environment, settings: &Settings) -> Result<(World, Vec<ExampleRun>), Error> {
+pub fn example(
+    environment: &Environment,
+    settings: &EpisodeSettings,
+) -> Result<(World, Vec<ExampleRun>), Error> {
     let prepared = prepared(environment.world()?, settings, &Plant::Point)?;
     let is_papers = environment.number == EXAMPLE_ENVIRONMENT.number;
     let runs = EXAMPLE
@@ -235,7 +238,7 @@ pub fn example(environment: &Environment, settings: &Settings) -> Result<(World,
         .chain([(None, None)])
         .map(|(eta, paper)| {
             let mut ticks = Vec::new();
-            let summary = run(&with_eta(&prepared, eta, EXAMPLE_HUMAN)?, |t| ticks.push(t.clone()))?;
+            let summary = run_prepared(&with_eta(&prepared, eta, EXAMPLE_HUMAN)?, |t| ticks.push(t.clone()))?;
             let ended_on = prepared.options().options()[summary.last_option].name.clone();
             Ok(ExampleRun { eta, paper, summary, ended_on, ticks })
         })
@@ -250,7 +253,7 @@ pub struct WithBodies<'a> {
     /// The physical plant.
     pub plant: &'a Plant,
     /// The episode's settings; method and eta are replaced.
-    pub settings: &'a Settings,
+    pub settings: &'a EpisodeSettings,
     /// Humans per cell.
     pub humans: usize,
     /// Seed of the humans and of their gaits.
@@ -325,7 +328,7 @@ impl WithBodies<'_> {
                     let physical = prepared.prepare(Scenario { seed, ..point.scenario().clone() })?;
                     let point =
                         point.prepare(Scenario { plant: Plant::Point, ..point.scenario().clone() })?;
-                    Ok((run(&point, |_| {})?, run(&physical, |_| {})?))
+                    Ok((run_prepared(&point, |_| {})?, run_prepared(&physical, |_| {})?))
                 });
                 let ends = ends.into_iter().collect::<Result<Vec<_>, Error>>()?;
                 let costs: Vec<Cost> = ends.iter().map(|(_, physical)| cost(physical)).collect();

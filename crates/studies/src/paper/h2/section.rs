@@ -16,7 +16,7 @@ use cocarry_output::drawing::{
 
 /// Table II.
 pub(crate) const PART: Part =
-    Part { id: "h2", name: "Table II", episodes: |_| h2::EPISODES, studies: none, run };
+    Part { id: "h2", name: "Table II", episodes: |_| h2::EPISODES, studies: none, run: table_2_section };
 
 /// Table II: accumulated objective costs.
 pub fn table_2(rows: &[CostRow]) -> Table {
@@ -110,7 +110,7 @@ fn label(run: &ExampleRun) -> String {
     run.eta.map_or("without model".to_owned(), |eta| format!("\u{3b7} = {eta}"))
 }
 
-fn run(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
+fn table_2_section(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let settings = &plan.settings;
     let rows = h2::table(settings, plan.seed, on_done)?;
     let mut blocks = vec![

@@ -2,13 +2,13 @@
 //! the paper leaves open.
 
 use super::section::{Compared, finding, parts_table, table_3, table_3_ratios};
-use crate::paper::h3::{self, PoseMethod, Study};
+use crate::paper::h3::{self, PoseMethod, PoseStudy};
 use crate::paper::part::{Block, Finding, Part, Plan, Section, none};
 use crate::parallel::OnDone;
 use crate::table::{Columns, Table};
 use cocarry::Error;
 use cocarry::control;
-use cocarry::episode::Settings;
+use cocarry::episode::EpisodeSettings;
 use cocarry::robot::{Robot, RobotTexts};
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 
@@ -82,7 +82,7 @@ fn section(
 ) -> Result<Section, Error> {
     let starts: Vec<&str> = robot.postures.iter().map(|p| p.name.as_str()).collect();
     let (seed, settings) = (plan.seed, &plan.settings);
-    let rows = Study { plant, starts: &starts, methods, episodes, seed, settings }.table(on_done)?;
+    let rows = PoseStudy { plant, starts: &starts, methods, episodes, seed, settings }.table(on_done)?;
     let compared: Vec<Compared> =
         starts.iter().map(|start| Compared { rows: &rows, start, methods }).collect();
     let is_physical = plant.kind() == PlantKind::Rapier;
@@ -102,7 +102,7 @@ fn section(
 struct Variant {
     choice: &'static str,
     value: &'static str,
-    set: fn(&mut Settings, &mut control::Settings),
+    set: fn(&mut EpisodeSettings, &mut control::ControlSettings),
 }
 
 /// The default first. The authors' public prototype has a period of 0.1 s.
@@ -154,7 +154,7 @@ fn run_choices(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
         let (mut settings, mut setup) = (plan.settings.clone(), RobotSetup::new(plan.robot));
         (variant.set)(&mut settings, &mut setup.control);
         let plant = &Plant::new(PlantKind::Kinematic, setup);
-        let study = Study { plant, starts: &[start], methods, episodes, seed, settings: &settings };
+        let study = PoseStudy { plant, starts: &[start], methods, episodes, seed, settings: &settings };
         let rows = study.table(on_done)?;
         let compared = Compared { rows: &rows, start, methods };
         let with_po = || rows.iter().filter(|row| row.method == PoseMethod::WithPo);

@@ -10,7 +10,7 @@ use crate::paper::placed::Placed;
 use crate::parallel::OnDone;
 use cocarry::Error;
 use cocarry::control::{self, GUIDE_PRICE};
-use cocarry::episode::Settings;
+use cocarry::episode::EpisodeSettings;
 use cocarry::robot::Robot;
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 use serde::Serialize;
@@ -74,12 +74,15 @@ impl Guide {
     }
 
     fn plant(self, robot: &Robot) -> Plant {
-        let default = control::Settings::default();
+        let default = control::ControlSettings::default();
         let (kind, control) = match self {
-            Self::Price { price } => (PlantKind::Rapier, control::Settings { guide_price: price, ..default }),
-            Self::Width { width } => {
-                (PlantKind::Rapier, control::Settings { guide_price: 0.0, guide_width: width, ..default })
+            Self::Price { price } => {
+                (PlantKind::Rapier, control::ControlSettings { guide_price: price, ..default })
             }
+            Self::Width { width } => (
+                PlantKind::Rapier,
+                control::ControlSettings { guide_price: 0.0, guide_width: width, ..default },
+            ),
             Self::Free => (PlantKind::Kinematic, default),
         };
         Plant::new(kind, RobotSetup { control, ..RobotSetup::new(robot) })
@@ -150,11 +153,11 @@ const METHODS: [PoseMethod; 2] = [PoseMethod::WithoutPo, PoseMethod::WithPo];
 
 /// The study of the guide.
 #[derive(Clone, Copy, Debug)]
-pub struct Study<'a> {
+pub struct GuideStudy<'a> {
     /// The robot, which starts in its first posture.
     pub robot: &'a Robot,
     /// The episode's settings.
-    pub settings: &'a Settings,
+    pub settings: &'a EpisodeSettings,
     /// The guides.
     pub guides: &'a [Guide],
     /// Random humans in each cell of Table III.
@@ -165,7 +168,7 @@ pub struct Study<'a> {
     pub seed: u64,
 }
 
-impl Study<'_> {
+impl GuideStudy<'_> {
     /// Number of episodes, for a progress bar.
     pub fn units(&self) -> usize {
         let with_bodies = self.guides.iter().filter(|guide| **guide != Guide::Free).count();
@@ -184,7 +187,7 @@ impl Study<'_> {
         let Self { robot, settings, episodes, worlds, seed, .. } = *self;
         let plant = &guide.plant(robot);
         let start = robot.postures[0].name.as_str();
-        let table = super::Study { plant, starts: &[start], methods: &METHODS, episodes, seed, settings };
+        let table = super::PoseStudy { plant, starts: &[start], methods: &METHODS, episodes, seed, settings };
         let rows = table.table(on_done)?;
         let worlds = match guide {
             Guide::Free => None,

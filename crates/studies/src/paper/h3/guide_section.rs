@@ -1,6 +1,6 @@
 //! H3 with bodies by how much the base is guided: tables, picture and finding.
 
-use super::guide::{Guide, GuideRow, Study};
+use super::guide::{Guide, GuideRow, GuideStudy};
 use crate::paper::part::{Block, Figure, Finding, Part, Plan, Section, none};
 use crate::parallel::OnDone;
 use crate::table::{Cell, Columns, Table};
@@ -14,12 +14,12 @@ pub(crate) const PART: Part = Part {
     name: "Table III, by the guide",
     episodes: |plan| study(plan).units(),
     studies: none,
-    run,
+    run: guide_section,
 };
 
 /// Half of the humans and worlds of the parts with bodies: there are many guides.
-fn study<'a>(plan: &'a Plan) -> Study<'a> {
-    Study {
+fn study<'a>(plan: &'a Plan) -> GuideStudy<'a> {
+    GuideStudy {
         robot: plan.robot,
         settings: &plan.settings,
         guides: plan.guides,
@@ -29,7 +29,7 @@ fn study<'a>(plan: &'a Plan) -> Study<'a> {
     }
 }
 
-fn run(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
+fn guide_section(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let rows = study(plan).table(on_done)?;
     let text = "With bodies, the base follows the path of the grasp: the squared deviation of its inputs from those of pure pursuit is part of the cost of eq. (7). \
                 Here its price falls, or there is none within a width of where pursuit would take the base; then eqs. (7) and (8) decide the inputs of the base as well. \

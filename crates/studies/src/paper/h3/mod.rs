@@ -17,7 +17,7 @@ use crate::statistics::{self, Paired, mean_and_std};
 use cocarry::Error;
 use cocarry::control;
 use cocarry::control::{Avoid, CandidateSet, PoseCriterion};
-use cocarry::episode::{ControlSummary, Episode, Outcome, PreferenceChange, Settings};
+use cocarry::episode::{ControlSummary, Episode, EpisodeSettings, Outcome, PreferenceChange};
 use cocarry::options::OptionSet;
 use cocarry::policy::Method;
 use cocarry::preference::{Belief, Perception};
@@ -106,22 +106,22 @@ impl PoseMethod {
     }
 
     /// The controller with this choice of configurations.
-    pub(super) fn choosing(self, settings: &control::Settings) -> control::Settings {
+    pub(super) fn choosing(self, settings: &control::ControlSettings) -> control::ControlSettings {
         let (_, candidates, criterion, _) = self.entry();
-        control::Settings { candidates, criterion, ..*settings }
+        control::ControlSettings { candidates, criterion, ..*settings }
     }
 
     /// The controller on a plant. On the physical plant it always avoids obstacles.
-    fn control(self, plant: PlantKind, settings: &control::Settings) -> control::Settings {
+    fn control(self, plant: PlantKind, settings: &control::ControlSettings) -> control::ControlSettings {
         let (.., avoid) = self.entry();
         let avoid = if plant == PlantKind::Rapier { Avoid::Robot } else { avoid };
-        control::Settings { avoid, ..self.choosing(settings) }
+        control::ControlSettings { avoid, ..self.choosing(settings) }
     }
 }
 
 /// The study of Table III.
 #[derive(Clone, Copy, Debug)]
-pub struct Study<'a> {
+pub struct PoseStudy<'a> {
     /// The plant, kinematic as in the paper or physical, with the controller settings that the methods do not
     /// replace.
     pub plant: &'a Plant,
@@ -135,7 +135,7 @@ pub struct Study<'a> {
     /// Seed of the humans.
     pub seed: u64,
     /// The episode's settings; the method is replaced by human-led.
-    pub settings: &'a Settings,
+    pub settings: &'a EpisodeSettings,
 }
 
 /// One method in one cell of Table III, from one start.
@@ -198,7 +198,7 @@ pub struct PoseRow {
     pub not_arrived: usize,
 }
 
-/// Units of work of [`Study::table`], for a progress bar.
+/// Units of work of [`PoseStudy::table`], for a progress bar.
 pub fn units(methods: &[PoseMethod], starts: usize, episodes: usize) -> usize {
     ENVIRONMENTS.len() * SETTINGS.len() * starts * methods.len() * episodes
 }
@@ -211,7 +211,7 @@ impl PoseRow {
     }
 }
 
-impl Study<'_> {
+impl PoseStudy<'_> {
     /// Table III, by environment, setting, start and method.
     ///
     /// # Errors
@@ -229,7 +229,7 @@ impl Study<'_> {
     }
 
     fn environment(&self, environment: &Environment, on_done: OnDone) -> Result<Vec<PoseRow>, Error> {
-        let settings = Settings { method: Method::HUMAN_LED, ..self.settings.clone() };
+        let settings = EpisodeSettings { method: Method::HUMAN_LED, ..self.settings.clone() };
         let prepared = prepared(environment.world()?, &settings, self.plant)?;
         let humans = self.humans_of(environment, prepared.options())?;
         let is_physical = self.plant.kind() == PlantKind::Rapier;

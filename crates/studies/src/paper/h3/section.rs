@@ -1,6 +1,6 @@
 //! H3: Table III, every method and start compared with its baseline, and the composition of the costs.
 
-use crate::paper::h3::{self, PoseMethod, PoseRow, Study};
+use crate::paper::h3::{self, PoseMethod, PoseRow, PoseStudy};
 use crate::paper::pairs::{SIGNIFICANCE_LEVEL, compared, explained, is_significant, rounded};
 use crate::paper::part::{Block, Figure, Finding, Part, Plan, Section, grouped, holds, none};
 use crate::paper::{ENVIRONMENTS, SETTINGS};
@@ -16,7 +16,7 @@ pub(crate) const PART: Part = Part {
     name: "Table III",
     episodes: |plan| h3::units(&PoseMethod::ALL, plan.robot.postures.len(), plan.episodes),
     studies: none,
-    run,
+    run: table_3_section,
 };
 
 /// Rows of Table III to compare: all methods that were run, from one start.
@@ -287,12 +287,12 @@ pub fn ratio_picture(rows: &[PoseRow], starts: &[&str]) -> Result<String, Error>
     cost_ratios(&panels)
 }
 
-fn run(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
+fn table_3_section(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let plant = Plant::new(PlantKind::Kinematic, RobotSetup::new(plan.robot));
     let starts: Vec<&str> = plan.robot.postures.iter().map(|p| p.name.as_str()).collect();
     let (episodes, seed, settings) = (plan.episodes, plan.seed, &plan.settings);
     let methods = &PoseMethod::ALL;
-    let study = Study { plant: &plant, starts: &starts, methods, episodes, seed, settings };
+    let study = PoseStudy { plant: &plant, starts: &starts, methods, episodes, seed, settings };
     let rows = study.table(on_done)?;
     let of = |start| Compared { rows: &rows, start, methods };
     let text = "The human leads from the start and changes (\u{3b1}, \u{3b3}) once or twice during the episode; the robot knows only the full ranges. C is the true control \

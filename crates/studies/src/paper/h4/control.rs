@@ -2,7 +2,7 @@
 //! (7) follows the option that is most probable, eq. (8) weighs all of them; without pose optimisation, or
 //! with equal weights, what was learned has an effect on eq. (7) only.
 
-use super::{ALL_WORLDS, HumanKind, PersonRow, RobotKind, Study, Task, Tasks};
+use super::{ALL_WORLDS, HumanKind, LearningStudy, PersonRow, RobotKind, Task, Tasks};
 use crate::paper::h3::PoseMethod;
 use crate::parallel::{OnDone, in_parallel};
 use crate::statistics::{self, Paired, mean_and_std};
@@ -53,7 +53,7 @@ pub struct ControlRow {
     pub control_cost_against_prior: Option<Paired>,
 }
 
-impl Study<'_> {
+impl LearningStudy<'_> {
     fn humans_with_arm(&self) -> usize {
         self.humans.min(MAX_HUMANS)
     }

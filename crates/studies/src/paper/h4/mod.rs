@@ -18,7 +18,7 @@ use super::prepared;
 use crate::parallel::{OnDone, in_parallel};
 use crate::statistics::{self, Paired, mean_and_std};
 use cocarry::coordination::{self, Mode, robot_choice};
-use cocarry::episode::{Episode, Outcome, Settings, Tick};
+use cocarry::episode::{Episode, EpisodeSettings, Outcome, Tick};
 use cocarry::learning::{self, Learner, LearningError, TolerancePrior};
 use cocarry::math;
 use cocarry::policy::Method;
@@ -77,9 +77,9 @@ impl RobotKind {
 
 /// The study.
 #[derive(Clone, Copy, Debug)]
-pub struct Study<'a> {
+pub struct LearningStudy<'a> {
     /// The episode's settings; method, eta and belief are replaced.
-    pub settings: &'a Settings,
+    pub settings: &'a EpisodeSettings,
     /// The kinematic plant, for control costs.
     pub plant: &'a Plant,
     /// Humans of each kind in each group of worlds.
@@ -159,7 +159,7 @@ fn stream_of(group: usize, human: usize) -> u64 {
     ((group as u64 + 1) << 32) + human as u64
 }
 
-impl Study<'_> {
+impl LearningStudy<'_> {
     /// Units of work, for a progress bar.
     pub fn units(&self) -> usize {
         self.group_count() * HumanKind::ALL.len() * self.humans + self.control_units()
@@ -242,7 +242,7 @@ impl Study<'_> {
     ) -> Result<PreparedScenario, Error> {
         let predict_while_human_leads = plant.robot_setup().is_some();
         let settings =
-            Settings { method, predict_while_human_leads, learning: None, ..self.settings.clone() };
+            EpisodeSettings { method, predict_while_human_leads, learning: None, ..self.settings.clone() };
         prepared(WorldText { file, text }, &settings, plant)
     }
 
@@ -298,8 +298,9 @@ impl Study<'_> {
                     learner = self.learner(robot, person, task)?;
                 }
                 let base = world.scenario();
-                let coordination = coordination::Settings { eta: person.eta, ..base.settings.coordination };
-                let settings = Settings { coordination, ..base.settings.clone() };
+                let coordination =
+                    coordination::StubbornnessSettings { eta: person.eta, ..base.settings.coordination };
+                let settings = EpisodeSettings { coordination, ..base.settings.clone() };
                 let human = person.perceptions[task];
                 let prepared = world.prepare(Scenario { human, settings, ..base.clone() })?;
                 let partners = Partners { human: Some(person.human(&prepared, task)), policy: None };
@@ -323,19 +324,19 @@ impl Study<'_> {
         task: usize,
     ) -> Result<Option<Learner>, LearningError> {
         let (predictor, phi) = (&self.settings.predictor, self.settings.coordination.initial_stubbornness);
-        let (default, prior) = (learning::Settings::default(), predictor.belief().clone());
+        let (default, prior) = (learning::LearningSettings::default(), predictor.belief().clone());
         let (settings, belief) = match robot {
             RobotKind::Prior => return Ok(None),
             RobotKind::Learns => (default, prior),
             RobotKind::Forgets => {
                 let [lapse_rate, change_rate] = FORGETFUL;
-                (learning::Settings { lapse_rate, change_rate, ..default }, prior)
+                (learning::LearningSettings { lapse_rate, change_rate, ..default }, prior)
             }
             RobotKind::Knows => {
                 let tolerance = TolerancePrior { median: person.eta, log_std: 1e-6 };
                 let known = WeightedSample { perception: person.perceptions[task], weight: 1.0 };
                 let known = Belief::samples(vec![known]).unwrap_or(prior);
-                (learning::Settings { tolerance, ..default }, known)
+                (learning::LearningSettings { tolerance, ..default }, known)
             }
         };
         Learner::new(settings, belief, predictor.risk_weight(), phi).map(Some)
@@ -390,7 +391,7 @@ impl LearningRow {
 }
 
 /// Runs a task.
-fn carry(episode: &mut Episode, settings: &Settings, human: Perception) -> Task {
+fn carry(episode: &mut Episode, settings: &EpisodeSettings, human: Perception) -> Task {
     let mut regret = 0.0;
     let outcome = loop {
         if let Some(outcome) = episode.step() {
@@ -416,8 +417,8 @@ fn carry(episode: &mut Episode, settings: &Settings, human: Perception) -> Task 
 }
 
 /// The cost of eq. (6) of the executed option minus that of the option of a robot that knows the person.
-fn regret_of(tick: &Tick, settings: &Settings, human: Perception) -> f64 {
-    let coordination::Settings { initial_stubbornness, eta } = settings.coordination;
+fn regret_of(tick: &Tick, settings: &EpisodeSettings, human: Perception) -> f64 {
+    let coordination::StubbornnessSettings { initial_stubbornness, eta } = settings.coordination;
     let phi = (initial_stubbornness * math::exp(tick.discomfort / eta)).min(1.0);
     let costs = || {
         tick.options.iter().map(|option| {

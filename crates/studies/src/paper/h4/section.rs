@@ -2,8 +2,8 @@
 
 use crate::paper::h3::PoseMethod;
 use crate::paper::h4::{
-    ALL_WORLDS, ControlRow, Findings, HumanKind, LearningRow, PersonRow, ROBOTS_WITH_ARM, RobotKind, Study,
-    TASKS, WORLDS,
+    ALL_WORLDS, ControlRow, Findings, HumanKind, LearningRow, LearningStudy, PersonRow, ROBOTS_WITH_ARM,
+    RobotKind, TASKS, WORLDS,
 };
 use crate::paper::pairs::{difference, is_significant, rounded};
 use crate::paper::part::{Block, Figure, Finding, Part, Plan, Section, none};
@@ -22,16 +22,16 @@ pub(crate) const PART: Part = Part {
     name: "people to learn",
     episodes: |plan| with_study(plan, |study| study.units()),
     studies: none,
-    run,
+    run: learning_section,
 };
 
-fn with_study<T>(plan: &Plan, work: impl FnOnce(&Study) -> T) -> T {
+fn with_study<T>(plan: &Plan, work: impl FnOnce(&LearningStudy) -> T) -> T {
     let plant = &Plant::new(PlantKind::Kinematic, RobotSetup::new(plan.robot));
     let (settings, humans, seed) = (&plan.settings, plan.people, plan.seed);
-    work(&Study { settings, plant, humans, worlds: WORLDS, tasks: TASKS, seed })
+    work(&LearningStudy { settings, plant, humans, worlds: WORLDS, tasks: TASKS, seed })
 }
 
-fn run(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
+fn learning_section(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let findings = with_study(plan, |study| study.run(on_done))?;
     let text = "The paper's robot keeps the prior over people for the whole task. Here, one person carries twice in a row with a robot that learns alpha, gamma \
                 and \u{3b7} from what the person does, and keeps that for the second task. It is compared with the paper's robot and with one that knows the \

@@ -2,10 +2,10 @@
 
 pub(crate) mod section;
 
-use super::{prepared, run};
+use super::{prepared, run_prepared};
 use crate::parallel::{OnDone, in_parallel};
 use cocarry::Error;
-use cocarry::episode::{Outcome, Settings};
+use cocarry::episode::{EpisodeSettings, Outcome};
 use cocarry::policy::Method;
 use cocarry::scenario::{Plant, Scenario};
 use cocarry::simulation::BodyKind;
@@ -30,11 +30,11 @@ const BEYOND_M: f64 = 1.65;
 
 /// The study of slots.
 #[derive(Clone, Copy, Debug)]
-pub struct Study<'a> {
+pub struct SlotStudy<'a> {
     /// The physical plant.
     pub plant: &'a Plant,
     /// The episode's settings; the method is replaced by robot-led.
-    pub settings: &'a Settings,
+    pub settings: &'a EpisodeSettings,
     /// Lateral offsets of A and B from the slot's axis, m.
     pub turns: &'a [[f64; 2]],
     /// Walks for each slot and turn.
@@ -60,7 +60,7 @@ pub struct SlotRow {
     pub other: usize,
 }
 
-impl Study<'_> {
+impl SlotStudy<'_> {
     /// Units of work, for a progress bar.
     pub fn units(&self) -> usize {
         WIDTHS.len() * DEPTHS.len() * self.turns.len() * self.walks
@@ -95,12 +95,14 @@ impl Study<'_> {
 
     /// The body that touched a side, if any, and the outcome.
     fn walk(&self, world: &str, walk: u64) -> Result<(Option<BodyKind>, Outcome), Error> {
-        let settings = Settings { method: Method::ROBOT_LED, ..self.settings.clone() };
+        let settings = EpisodeSettings { method: Method::ROBOT_LED, ..self.settings.clone() };
         let human = settings.predictor.belief().sample(&mut ChaCha8Rng::seed_from_u64(self.seed));
         let prepared = prepared(World::parse("slot", world)?, &settings, self.plant)?;
         let seed = self.seed.wrapping_add(walk);
-        let summary =
-            run(&prepared.prepare(Scenario { seed, human, ..prepared.scenario().clone() })?, |_| ())?;
+        let summary = run_prepared(
+            &prepared.prepare(Scenario { seed, human, ..prepared.scenario().clone() })?,
+            |_| (),
+        )?;
         Ok((summary.collision.map(|contact| contact.between[0].kind), summary.outcome))
     }
 }

@@ -1,6 +1,6 @@
 //! Slots in thick walls: the part of the report.
 
-use super::{DEPTHS, OFFSETS_M, SlotRow, Study, WIDTHS};
+use super::{DEPTHS, OFFSETS_M, SlotRow, SlotStudy, WIDTHS};
 use crate::paper::part::{Block, Finding, Part, Plan, Section, holds, none};
 use crate::parallel::OnDone;
 use crate::table::{Columns, Table};
@@ -13,14 +13,14 @@ pub(crate) const PART: Part = Part {
     name: "slots",
     episodes: |plan| WIDTHS.len() * DEPTHS.len() * plan.slot_turns * plan.slot_walks,
     studies: none,
-    run,
+    run: slots_section,
 };
 
-fn run(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
+fn slots_section(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(plan.robot));
     let turns = &OFFSETS_M[..plan.slot_turns];
     let study =
-        Study { plant: &plant, settings: &plan.settings, turns, walks: plan.slot_walks, seed: plan.seed };
+        SlotStudy { plant: &plant, settings: &plan.settings, turns, walks: plan.slot_walks, seed: plan.seed };
     let rows = study.table(on_done)?;
     let text = format!(
         "A team with bodies, led by the robot, goes through slots in walls {} to {} m thick, straight or with a turn before or after.",

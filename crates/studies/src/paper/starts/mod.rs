@@ -7,10 +7,10 @@ pub(crate) mod section;
 pub use indoor::{CLEAR_M, indoor_world};
 
 use super::cycles::random_human;
-use super::{prepared, run};
+use super::{prepared, run_prepared};
 use crate::parallel::{OnDone, in_parallel};
 use cocarry::coordination;
-use cocarry::episode::{Outcome, Settings};
+use cocarry::episode::{EpisodeSettings, Outcome};
 use cocarry::scenario::{Plant, Scenario, WorldText};
 use cocarry::simulation::BodyKind;
 use cocarry::{Error, ErrorKind};
@@ -23,11 +23,11 @@ pub const WORLDS: usize = 200;
 
 /// The study of starts.
 #[derive(Clone, Copy, Debug)]
-pub struct Study<'a> {
+pub struct StartStudy<'a> {
     /// The physical plant.
     pub plant: &'a Plant,
     /// The episode's settings; eta is replaced.
-    pub settings: &'a Settings,
+    pub settings: &'a EpisodeSettings,
     /// Number of worlds.
     pub worlds: usize,
     /// Seed of the first world, its human, eta and gait; the other worlds have the seeds that follow.
@@ -90,7 +90,7 @@ enum End {
     Refused(Refused),
 }
 
-impl Study<'_> {
+impl StartStudy<'_> {
     /// Runs the worlds, each with a random human and eta.
     ///
     /// # Errors
@@ -122,8 +122,9 @@ impl Study<'_> {
     fn end(&self, seed: u64) -> Result<End, Error> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let (human, eta) = random_human(self.settings, &mut rng);
-        let coordination = coordination::Settings { eta, ..self.settings.coordination };
-        let settings = Settings { coordination, predict_while_human_leads: false, ..self.settings.clone() };
+        let coordination = coordination::StubbornnessSettings { eta, ..self.settings.coordination };
+        let settings =
+            EpisodeSettings { coordination, predict_while_human_leads: false, ..self.settings.clone() };
         let (prepared, world) = loop {
             let text = indoor_world(&mut rng);
             // draw again if even a point does not get to B
@@ -135,7 +136,7 @@ impl Study<'_> {
         };
         let prepared = prepared.prepare(Scenario { seed, human, ..prepared.scenario().clone() })?;
         let mut time = 0.0;
-        let summary = match run(&prepared, |tick| time = tick.time) {
+        let summary = match run_prepared(&prepared, |tick| time = tick.time) {
             Err(error) if error.kind() == ErrorKind::World => {
                 return Ok(End::Refused(Refused { seed, world, reason: error.to_string() }));
             }

@@ -1,6 +1,6 @@
 //! Starts in random rooms: the part of the report.
 
-use super::{CLEAR_M, Starts, Study};
+use super::{CLEAR_M, StartStudy, Starts};
 use crate::paper::part::{Block, Finding, Part, Plan, Section, holds, none};
 use crate::parallel::OnDone;
 use crate::table::{Columns, Table};
@@ -8,12 +8,17 @@ use cocarry::Error;
 use cocarry::scenario::{Plant, PlantKind, RobotSetup};
 
 /// The study of starts.
-pub(crate) const PART: Part =
-    Part { id: "starts", name: "random indoor worlds", episodes: |plan| plan.rooms, studies: none, run };
+pub(crate) const PART: Part = Part {
+    id: "starts",
+    name: "random indoor worlds",
+    episodes: |plan| plan.rooms,
+    studies: none,
+    run: starts_section,
+};
 
-fn run(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
+fn starts_section(plan: &Plan, on_done: OnDone) -> Result<Section, Error> {
     let plant = Plant::new(PlantKind::Rapier, RobotSetup::new(plan.robot));
-    let study = Study { plant: &plant, settings: &plan.settings, worlds: plan.rooms, seed: plan.seed };
+    let study = StartStudy { plant: &plant, settings: &plan.settings, worlds: plan.rooms, seed: plan.seed };
     let starts = study.run(on_done)?;
     let text = format!(
         "Random buildings with {CLEAR_M} m clear all round A and B, in which a point reaches B. A team with bodies needs room to stand, to set out, and beyond B."

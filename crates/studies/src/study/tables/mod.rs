@@ -137,7 +137,7 @@ fn batches(file: File, builder: &ParquetRecordBatchReaderBuilder<File>) -> Resul
 }
 
 /// A reader of the rows of a Parquet file of results.
-pub(super) struct Reader {
+pub(super) struct RowReader {
     name: String,
     batches: ParquetRecordBatchReader,
     batch: Option<RecordBatch>,
@@ -146,7 +146,7 @@ pub(super) struct Reader {
     study_text: Option<String>,
 }
 
-impl Reader {
+impl RowReader {
     /// Opens the file and checks names and types of its columns.
     pub fn open(file: File, name: &str) -> std::result::Result<Self, SweepError> {
         let unread = |error| unread(name, error);

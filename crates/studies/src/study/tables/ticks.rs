@@ -38,13 +38,13 @@ pub(in crate::study) struct Ticks {
     origin: Origin,
     episodes: Range<u64>,
     covered: u64,
-    layout: Layout,
+    layout: ChunkLayout,
     file: Option<ArrowWriter<OutputFile>>,
 }
 
 /// The columns of the ticks of a study.
 #[derive(Clone, Debug)]
-pub(in crate::study) struct Layout {
+pub(in crate::study) struct ChunkLayout {
     schema: SchemaRef,
     /// The indices of the inputs that the files have.
     inputs: Vec<usize>,
@@ -53,7 +53,7 @@ pub(in crate::study) struct Layout {
 /// The ticks of an episode.
 pub(in crate::study) type Batch = Result<RecordBatch, ArrowError>;
 
-impl Layout {
+impl ChunkLayout {
     fn of(study: &Study) -> Self {
         let names: Vec<&str> = row::input_columns().collect();
         let first = study.inputs(0);
@@ -144,7 +144,7 @@ impl Ticks {
             lock,
             origin: study.origin(),
             covered: 0,
-            layout: Layout::of(study),
+            layout: ChunkLayout::of(study),
             file: None,
             episodes,
             partial,
@@ -213,7 +213,7 @@ impl Ticks {
     }
 
     /// The layout, which runs episodes.
-    pub fn layout(&self) -> Layout {
+    pub fn layout(&self) -> ChunkLayout {
         self.layout.clone()
     }
 
