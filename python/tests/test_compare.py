@@ -145,6 +145,17 @@ def test_tables_files_and_data_frames_give_the_same_comparison(both, tmp_path):
         cocarry.compare()
 
 
+def test_names_that_pandas_reads_as_missing_survive_it(tmp_path):
+    pandas = pytest.importorskip("pandas")
+    table = cocarry.sweep({**STUDY, "seeds": 3}, out=tmp_path / "own.csv", policy={"NA": mine, "null": Waits(9), "None": Waits(2), "'NA'": Waits(3)})
+    assert set(table["method"]) == {"'NA'", "'null'", "'None'", "''NA''"}
+    expected = cocarry.compare(table)
+    pandas.read_csv(tmp_path / "own.csv").to_csv(tmp_path / "pandas.csv", index=False)
+    found = cocarry.compare(tmp_path / "pandas.csv")
+    for key in ("first", "second", "pairs"):
+        assert list(found[key]) == list(expected[key]), key
+
+
 def test_averages_over_worlds_count_a_human_once(both):
     found = cocarry.compare(both, over=["world", "eta"], quantities="accumulated_subjective_cost")
     assert len(found) == 1 and found["pairs"][0] == 12 and found["arrived_both"][0] == 48

@@ -12,6 +12,8 @@ const PADDING: f64 = 2.0;
 const LINE_HEIGHT: f64 = TEXT_SIZE * 1.08;
 /// Distance from its opening beyond which a label gets a leader line, px.
 const LEADER_DISTANCE: f64 = 16.0;
+/// Cost of a leader line, apart from what it crosses.
+const LEADER_COST: f64 = 25.0;
 /// Largest width of a name, px.
 const NAME_WIDTH: f64 = 120.0;
 
@@ -28,6 +30,7 @@ const MIN_SAVING: f64 = 60.0;
 pub(super) fn clutter(view: &MapView, world: &World) -> Clutter {
     let mut clutter = Clutter::new(view.frame());
     for obstacle in &world.obstacles {
+        obstacle.footprints().for_each(|footprint| clutter.add_body(view.outline(footprint)));
         for mut outline in view.outlines(obstacle) {
             outline.extend(outline.first().copied());
             clutter.add(&outline, 0.8, OUTLINE_COST);
@@ -72,9 +75,7 @@ pub(super) fn opening_labels(
                 without_width += 1;
             }
         }
-        let touch = nearest_on(bars[i], area);
-        if gap(area, touch) > LEADER_DISTANCE {
-            let leader = [nearest(area, touch), touch];
+        if let Some(leader) = leader(bars[i], area) {
             clutter.add(&leader, 0.9, PATH_COST);
             group = group.add(stroke(&leader, INK, 0.9));
         }
@@ -109,11 +110,20 @@ fn best_place(lines: &[Text], own: usize, bars: &[[Point; 2]], clutter: &Clutter
             bars.iter().enumerate().any(|(i, bar)| i != own && distance(*bar) < own_distance);
         clutter.cost(*area)
             + 0.7 * own_distance
-            + if own_distance > LEADER_DISTANCE { 25.0 } else { 0.0 }
+            + leader(bars[own], *area).map_or(0.0, |leader| LEADER_COST + clutter.leader_cost(leader))
             + if is_nearer_to_another { 45.0 } else { 0.0 }
     };
     let found = areas.map(|area| (area, cost(&area))).min_by(|a, b| a.1.total_cmp(&b.1));
     found.unwrap_or((Bounds { min: center - half, max: center + half }, f64::INFINITY))
+}
+
+/// The line from a label to the side of its opening's bar, if the label is not next to it.
+fn leader(bar: [Point; 2], area: Bounds) -> Option<[Point; 2]> {
+    let touch = nearest_on(bar, area);
+    let from = nearest(area, touch);
+    let along = touch - from;
+    let length = along.norm();
+    (length > LEADER_DISTANCE).then(|| [from, touch - along * (BAR / 2.0 / length)])
 }
 
 /// The point of an opening's bar, away from its ends, that is nearest to an area.

@@ -37,16 +37,16 @@ struct Inputs<'a> {
 /// The columns of the inputs, without the seed, the values drawn from it, and the settings.
 #[rustfmt::skip]
 const INPUTS: &[InputColumn] = &[
-    ("world", "world, as named in the study", |r| Some(one_line(&r.contents.worlds[r.cell.world].0))),
+    ("world", "world, as named in the study", |r| Some(written_name(&r.contents.worlds[r.cell.world].0))),
     ("plant", "point, kinematic or rapier", |r| word(r.cell.plant.name())),
-    ("humans", "name of the humans' distribution", |r| Some(one_line(&r.contents.humans[r.cell.humans].0))),
+    ("humans", "name of the humans' distribution", |r| Some(written_name(&r.contents.humans[r.cell.humans].0))),
     ("humans_alpha", "distribution of alpha", |r| some(r.contents.humans[r.cell.humans].1.alpha)),
     ("humans_gamma", "distribution of gamma", |r| some(r.contents.humans[r.cell.humans].1.gamma)),
     ("preference_changes_drawn", "how many preference changes are drawn", |r| some(r.cell.changes)),
-    ("belief", "name of the robot's belief", |r| Some(one_line(&r.contents.beliefs[r.cell.belief].0))),
+    ("belief", "name of the robot's belief", |r| Some(written_name(&r.contents.beliefs[r.cell.belief].0))),
     ("belief_alpha", "the belief's distribution of alpha; empty for samples", |r| r.belief()[0].clone()),
     ("belief_gamma", "the belief's distribution of gamma; empty for samples", |r| r.belief()[1].clone()),
-    ("robot", "robot, as named in the study; empty for a point", |r| (r.cell.plant != PlantKind::Point).then(|| one_line(&r.contents.robots[r.cell.robot].0))),
+    ("robot", "robot, as named in the study; empty for a point", |r| (r.cell.plant != PlantKind::Point).then(|| written_name(&r.contents.robots[r.cell.robot].0))),
     ("policy_code", "version and digest of a custom policy; empty for a method of the program", |r| r.code(0)),
     ("human_code", "version and digest of a custom human; empty for a model of the program", |r| r.code(1)),
 ];
@@ -104,7 +104,7 @@ pub(super) fn header() -> Vec<u8> {
 pub(super) fn inputs(contents: &Contents, cell: &Cell) -> Vec<String> {
     let inputs = Inputs { contents, cell };
     let settings = SETTINGS.iter().zip(&cell.values).map(|(setting, value)| {
-        let custom = contents.partners.name_of(setting.key, cell).map(str::to_owned);
+        let custom = contents.partners.name_of(setting.key, cell).map(written_name);
         custom.or_else(|| value.as_ref().map(Value::to_string))
     });
     let values = INPUTS.iter().map(|(_, _, value)| value(&inputs)).chain(settings);
@@ -127,6 +127,20 @@ pub fn line_of_cells(cells: impl Iterator<Item = impl AsRef<[u8]>>) -> Vec<u8> {
     let mut writer = csv::WriterBuilder::new().buffer_capacity(1024).from_writer(Vec::with_capacity(1024));
     writer.write_record(cells).expect("writing to memory does not fail");
     writer.into_inner().expect("writing to memory does not fail")
+}
+
+/// What pandas, R and spreadsheets read as no value at all.
+const MISSING: [&str; 18] = [
+    "#N/A", "#N/A N/A", "#NA", "-1.#IND", "-1.#QNAN", "-NaN", "-nan", "1.#IND", "1.#QNAN", "<NA>", "N/A",
+    "NA", "NULL", "NaN", "None", "n/a", "nan", "null",
+];
+
+/// A name as it is written into rows: in one line, and `'NA'` for NA, which other programs would read as no value.
+/// Different names stay different.
+fn written_name(name: &str) -> String {
+    let bare = name.trim_matches('\'');
+    let is_taken = MISSING.contains(&bare) || bare.is_empty();
+    if is_taken { format!("'{}'", one_line(name)) } else { one_line(name) }
 }
 
 /// A name in one line; different names stay different.
@@ -256,18 +270,26 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_of_one_line_differ_where_the_names_do() {
-        let parts = ["\\", "\n", "\r", "n", "r", "a", " "];
+    fn names_as_written_differ_where_the_names_do() {
+        let parts = ["\\", "\n", "\r", "n", "r", "a", " ", "'", "NA"];
         let mut lines = std::collections::BTreeMap::new();
         let mut names = vec![String::new()];
         for _ in 0..4 {
             names = names.iter().flat_map(|name| parts.map(|part| format!("{name}{part}"))).collect();
             for name in &names {
-                let line = one_line(name);
+                let line = written_name(name);
+                assert!(!MISSING.contains(&line.as_str()), "{line:?}");
                 assert!(!line.contains(['\n', '\r']), "{line:?}");
                 assert_eq!(lines.insert(line, name.clone()), None, "{name:?}");
             }
         }
-        assert_eq!(one_line("rooms/a b.toml"), "rooms/a b.toml");
+        for (name, written) in [
+            ("rooms/a b.toml", "rooms/a b.toml"),
+            ("null", "'null'"),
+            ("'NA'", "''NA''"),
+            ("NA.toml", "NA.toml"),
+        ] {
+            assert_eq!(written_name(name), written);
+        }
     }
 }

@@ -1,12 +1,18 @@
 //! The lines and areas already on a picture, and the cost of covering them with a label.
 
-use cocarry::geometry::{Bounds, Point};
+use cocarry::geometry::{Bounds, Footprint, Point, Vector, segments_cross};
+
+/// Cost of a label that lies on bodies.
+const ON_BODY: f64 = 90.0;
+/// A leader line that crosses a line costs as much as a label that covers so much of it, px.
+const CROSSING: f64 = 8.0;
 
 /// Lines, and areas that must stay free, inside a frame.
 pub(in super::super) struct Clutter {
     frame: Bounds,
     lines: Vec<ClutterLine>,
     taken: Vec<Bounds>,
+    bodies: Vec<Footprint>,
 }
 
 struct ClutterLine {
@@ -25,7 +31,7 @@ impl ClutterLine {
 
 impl Clutter {
     pub fn new(frame: Bounds) -> Self {
-        Self { frame, lines: Vec::new(), taken: Vec::new() }
+        Self { frame, lines: Vec::new(), taken: Vec::new(), bodies: Vec::new() }
     }
 
     /// Adds a line, with the cost of covering a pixel of its length.
@@ -39,12 +45,34 @@ impl Clutter {
         self.taken.push(area);
     }
 
-    /// The cost of a label in this area: covered lines by their cost, reserved areas per pixel, and four
-    /// times the area outside.
+    /// Adds a convex body with these corners, on which a label would be read as the body's name.
+    pub fn add_body(&mut self, mut corners: Vec<Point>) {
+        // counter-clockwise, though y points down
+        corners.reverse();
+        self.bodies.push(Footprint::Polygon(corners));
+    }
+
+    /// The cost of a label in this area: covered lines by their cost, reserved areas per pixel, four times the
+    /// area outside, and the share on bodies.
     pub fn cost(&self, area: Bounds) -> f64 {
         let covered: f64 = self.lines.iter().map(|line| line.cost * line.inside(area)).sum();
         let shared: f64 = self.taken.iter().map(|t| overlap(area, t.grown(5.0))).sum();
-        covered + shared + 4.0 * (area.size().product() - overlap(area, self.frame))
+        let samples = (0..15).map(|i| {
+            let share = Vector::new(f64::from(i % 5) / 4.0, f64::from(i / 5) / 2.0);
+            area.min + area.size().component_mul(&share)
+        });
+        let on_body = samples.filter(|p| self.bodies.iter().any(|body| body.contains(*p))).count();
+        let outside = area.size().product() - overlap(area, self.frame);
+        covered + shared + 4.0 * outside + ON_BODY * on_body as f64 / 15.0
+    }
+
+    /// The cost of a leader line: lines that it crosses, and what it covers of reserved areas.
+    pub fn leader_cost(&self, leader: [Point; 2]) -> f64 {
+        let [from, to] = leader;
+        let crossed =
+            self.lines.iter().filter(|ClutterLine { ends: [a, b], .. }| segments_cross(from, to, *a, *b));
+        let covered: f64 = self.taken.iter().map(|area| length_inside(*area, leader)).sum();
+        CROSSING * (crossed.map(|line| line.cost).sum::<f64>() + covered)
     }
 
     /// Whether a label in this area covers a line.
@@ -109,5 +137,16 @@ mod tests {
         clutter.take(square(60.0, 10.0));
         assert_eq!([square(0.0, 10.0), square(20.0, 10.0)].map(|a| clutter.cost(a)), [36.0, 0.0]);
         assert_eq!([square(60.0, 10.0), square(95.0, 10.0)].map(|a| clutter.cost(a)), [100.0, 200.0]);
+        clutter.add_body(vec![
+            Point::new(20.0, 90.0),
+            Point::new(40.0, 90.0),
+            Point::new(40.0, 40.0),
+            Point::new(20.0, 40.0),
+        ]);
+        let on_body = [20.0, 30.0, 41.0]
+            .map(|x| clutter.cost(Bounds { min: Point::new(x, 50.0), max: Point::new(x + 20.0, 60.0) }));
+        assert_eq!(on_body, [ON_BODY, ON_BODY * 0.6, 0.0]);
+        let leader = |x: f64| [Point::new(x, 5.0), Point::new(x + 30.0, 5.0)];
+        assert_eq!([0.0, 10.0, 45.0].map(|x| clutter.leader_cost(leader(x))), [24.0, 0.0, 80.0]);
     }
 }
