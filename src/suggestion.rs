@@ -27,13 +27,13 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str, IntoIter
         .or_else(|| abbreviated(name, known))
 }
 
-/// The known name that `name` abbreviates: its number, after the beginning of its letters, as in `env4` or
-/// `4` for `environment-4`.
+/// The known name that `name` abbreviates: its number, after the beginning of its letters, as in `env4`, `env-4`
+/// or `4` for `environment-4`.
 fn abbreviated<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let parts = |name: &str| {
         let letters = name.trim_end_matches(|c: char| c.is_ascii_digit()).len();
         let (letters, number) = name.split_at(letters);
-        (letters.to_lowercase(), number.to_owned())
+        (letters.trim_end_matches(['-', '_', ' ']).to_lowercase(), number.to_owned())
     };
     let (letters, number) = parts(name);
     let fits = |other: &&str| {
@@ -143,6 +143,8 @@ mod tests {
             ("enviroment3", Some("environment-3")),
             ("freeform", Some("free-form")),
             ("env4", Some("environment-4")),
+            ("env_4", Some("environment-4")),
+            ("e-1", Some("environment-1")),
             ("2", Some("environment-2")),
             ("7", None),
             ("kitchen", None),

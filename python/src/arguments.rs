@@ -12,6 +12,7 @@ use pyo3::conversion::FromPyObjectOwned;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyString};
 use std::fmt::Display;
+use std::num::NonZeroU64;
 use std::path::PathBuf;
 
 const WHOLE: &str = "a whole number from 0 to 18446744073709551615";
@@ -132,7 +133,7 @@ arguments! {
 
 arguments! {
     StudyError:
-    seeds_of_study = "seeds": Option<u64>, WHOLE;
+    seeds_of_study = "seeds": Option<NonZeroU64>, "a whole number of at least 1";
     threads_of_study = "threads": Option<usize>, "a whole number of at least 1";
     shard = "shard": Option<(u64, u64)>, "(i, n), the i-th of n parts, with 1 <= i <= n";
 }

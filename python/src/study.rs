@@ -14,6 +14,7 @@ use cocarry_studies::study::{
 };
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use std::num::NonZeroU64;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
@@ -101,7 +102,7 @@ pub fn sweep(
     text: &str,
     file: &str,
     folder: PathBuf,
-    #[pyo3(from_py_with = arguments::seeds_of_study)] seeds: Option<u64>,
+    #[pyo3(from_py_with = arguments::seeds_of_study)] seeds: Option<NonZeroU64>,
     #[pyo3(from_py_with = arguments::shard)] shard: Option<(u64, u64)>,
     #[pyo3(from_py_with = arguments::threads_of_study)] threads: Option<usize>,
     policies: Vec<GivenPartner>,
@@ -195,7 +196,7 @@ pub fn study_episodes(
     text: &str,
     file: &str,
     folder: PathBuf,
-    seeds: Option<u64>,
+    seeds: Option<NonZeroU64>,
     policies: Vec<GivenPartner>,
     humans: Vec<GivenPartner>,
 ) -> PyResult<u64> {
@@ -215,7 +216,7 @@ pub fn study_rows<'py>(
     text: &str,
     file: &str,
     folder: PathBuf,
-    seeds: Option<u64>,
+    seeds: Option<NonZeroU64>,
     first: u64,
     end: u64,
     policies: Vec<GivenPartner>,
@@ -267,7 +268,7 @@ impl Rows {
         text: &str,
         file: &str,
         folder: PathBuf,
-        seeds: Option<u64>,
+        seeds: Option<NonZeroU64>,
         out: PathBuf,
         overwrite: bool,
         policies: Vec<GivenPartner>,

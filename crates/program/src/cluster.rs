@@ -16,6 +16,7 @@ use cocarry_studies::cluster::{
 };
 use cocarry_studies::study::merge;
 use serde_json::json;
+use std::num::NonZeroU64;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -143,7 +144,8 @@ fn submit(arguments: &SlurmArguments) -> Result<ExitCode, Failure> {
     let options: Vec<String> =
         arguments.sbatch.iter().flat_map(|text| text.split_whitespace()).map(str::to_owned).collect();
     slurm::check_options(&options).map_err(failure)?;
-    let study = with_methods(file, *seeds, method).map_err(|error| failure(error.into()))?;
+    let seeds = seeds.and_then(NonZeroU64::new);
+    let study = with_methods(file, seeds, method).map_err(|error| failure(error.into()))?;
     study.world_warnings().iter().for_each(warn);
     study.slow_drives().iter().for_each(warn);
     if *overwrite {
@@ -156,7 +158,7 @@ fn submit(arguments: &SlurmArguments) -> Result<ExitCode, Failure> {
         slurm::check_available().map_err(failure)?;
     }
     let program = std::env::current_exe().context("the path of this program").map_err(Failure::Output)?;
-    let description = Description::of(&study, file, *seeds, method.clone(), *shards, options);
+    let description = Description::of(&study, file, seeds, method.clone(), *shards, options);
     let script = |job: &Job| slurm::script(job, &program, *threads);
     let mut job = Job::create(out, description, script, *overwrite).map_err(failure)?;
     let shards: Vec<u64> = (1..=job.description().shards).collect();

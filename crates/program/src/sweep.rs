@@ -18,6 +18,7 @@ use cocarry_studies::study::{
     merge,
 };
 use serde_json::json;
+use std::num::NonZeroU64;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -93,7 +94,7 @@ pub(super) fn run_sweep(arguments: &SweepArguments) -> Result<ExitCode, Failure>
 fn sweep(arguments: &SweepArguments, file: &Path) -> Result<(), Failure> {
     let file = &file_kind::within(file, FileKind::Study);
     let policies = NamedPolicies::new(&arguments.method);
-    let study = Study::load_with(file, arguments.seeds, policies.partners()?);
+    let study = Study::load_with(file, arguments.seeds.and_then(NonZeroU64::new), policies.partners()?);
     let study = study.map_err(|error| file_kind::refused(file, FileKind::Study, error.into()))?;
     study.world_warnings().iter().for_each(warn);
     study.human_warnings().iter().for_each(warn);

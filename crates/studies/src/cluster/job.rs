@@ -10,6 +10,7 @@ use cocarry_output::output_file::{OutputError, Outputs};
 use serde::{Deserialize, Serialize};
 use std::fs::{self, OpenOptions};
 use std::io::{BufRead, BufReader, Write};
+use std::num::NonZeroU64;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
@@ -35,7 +36,7 @@ pub struct Description {
     pub study: PathBuf,
     /// The largest number of seeds, if limited.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub seeds: Option<u64>,
+    pub seeds: Option<NonZeroU64>,
     /// The methods in place of the study's own; none: those of its file.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub methods: Vec<String>,
@@ -312,7 +313,7 @@ impl Description {
     pub fn of(
         study: &Study,
         file: &Path,
-        seeds: Option<u64>,
+        seeds: Option<NonZeroU64>,
         methods: Vec<String>,
         shards: u64,
         sbatch: Vec<String>,
@@ -336,7 +337,7 @@ impl Description {
 ///
 /// # Errors
 /// As [`Study::load`], or a method is not known.
-pub fn with_methods(file: &Path, seeds: Option<u64>, methods: &[String]) -> Result<Study, SweepError> {
+pub fn with_methods(file: &Path, seeds: Option<NonZeroU64>, methods: &[String]) -> Result<Study, SweepError> {
     let policies = methods.iter().cloned().map(Partner::BuiltIn).collect();
     Study::load_with(file, seeds, Partners::new(policies, Vec::new())?)
 }

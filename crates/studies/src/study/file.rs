@@ -13,6 +13,7 @@ use cocarry::scenario::{
     SettingKind, Value, one_of,
 };
 use cocarry::suggestion::Expected;
+use std::num::NonZeroU64;
 use std::path::Path;
 use toml::de::{DeTable, DeValue};
 
@@ -64,7 +65,7 @@ pub(super) fn read(
     file: &str,
     text: &str,
     folder: &Path,
-    seeds: Option<u64>,
+    seeds: Option<NonZeroU64>,
 ) -> Result<Contents, SweepError> {
     let source = Source { file, text };
     let table = source.parse()?;
@@ -223,7 +224,7 @@ impl Contents {
         &mut self,
         source: Source,
         mut run: Draft,
-        seeds: Option<u64>,
+        seeds: Option<NonZeroU64>,
         place: Place,
     ) -> Result<(), SweepError> {
         if run.axes.worlds.is_empty() {
@@ -234,7 +235,7 @@ impl Contents {
             ));
         }
         if let Some(count) = seeds {
-            run.seeds.last = run.seeds.last.min(run.seeds.first.saturating_add(count - 1));
+            run.seeds.last = run.seeds.last.min(run.seeds.first.saturating_add(count.get() - 1));
         }
         self.changes(&mut run)?;
         let has_robot = run.axes.plants.iter().any(|plant| *plant != PlantKind::Point);

@@ -56,6 +56,7 @@ use origin::Origin;
 use partners::BuiltIn;
 use run::{Run, Seeds};
 use std::collections::{BTreeMap, BTreeSet};
+use std::num::NonZeroU64;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -113,7 +114,7 @@ impl Study {
     ///
     /// # Errors
     /// [`SweepError`], which names the file, the line, the key and the value.
-    pub fn load(path: &Path, seeds: Option<u64>) -> Result<Self, SweepError> {
+    pub fn load(path: &Path, seeds: Option<NonZeroU64>) -> Result<Self, SweepError> {
         Self::load_with(path, seeds, Partners::default())
     }
 
@@ -121,7 +122,7 @@ impl Study {
     ///
     /// # Errors
     /// As [`Study::load`].
-    pub fn load_with(path: &Path, seeds: Option<u64>, partners: Partners) -> Result<Self, SweepError> {
+    pub fn load_with(path: &Path, seeds: Option<NonZeroU64>, partners: Partners) -> Result<Self, SweepError> {
         let file = path.display().to_string();
         let folder = path.parent().unwrap_or(Path::new(""));
         Self::parse_with(&file, &located::read(&bounds::SETTINGS, path)?, folder, seeds, partners)
@@ -131,7 +132,12 @@ impl Study {
     ///
     /// # Errors
     /// As [`Study::load`].
-    pub fn parse(file: &str, text: &str, folder: &Path, seeds: Option<u64>) -> Result<Self, SweepError> {
+    pub fn parse(
+        file: &str,
+        text: &str,
+        folder: &Path,
+        seeds: Option<NonZeroU64>,
+    ) -> Result<Self, SweepError> {
         Self::parse_with(file, text, folder, seeds, Partners::default())
     }
 
@@ -143,7 +149,7 @@ impl Study {
         file: &str,
         text: &str,
         folder: &Path,
-        seeds: Option<u64>,
+        seeds: Option<NonZeroU64>,
         partners: Partners,
     ) -> Result<Self, SweepError> {
         let mut contents = file::read(file, text, folder, seeds)?;
