@@ -3,7 +3,7 @@
 use super::Bench;
 use std::io::Write;
 
-const YAML: &str = "image: grid.pgm\nresolution: 0.05\norigin: [0.0, 0.0, 0.0]\noccupied_thresh: 0.65\nfree_thresh: 0.196\nnegate: 0\n";
+pub(super) const YAML: &str = "image: grid.pgm\nresolution: 0.05\norigin: [0.0, 0.0, 0.0]\noccupied_thresh: 0.65\nfree_thresh: 0.196\nnegate: 0\n";
 const ENDS: &str = "--start 1,1 --target 5,3";
 
 fn graymap(width: usize, height: usize) -> Vec<u8> {
@@ -39,7 +39,7 @@ fn taller(mut image: Vec<u8>) -> Vec<u8> {
     image
 }
 
-fn line(file: &str) -> String {
+pub(super) fn line(file: &str) -> String {
     format!("world {file} {ENDS}")
 }
 

@@ -16,8 +16,9 @@ use std::time::Instant;
 
 /// Defines a test for each kind of file, and one that no kind is left out.
 macro_rules! kinds {
-    ($($test:ident: $kind:ident by $check:path,)*) => {
+    ($($(#[$attribute:meta])* $test:ident: $kind:ident by $check:path,)*) => {
         $(#[test]
+        $(#[$attribute])*
         fn $test() {
             $check(Bench::new(&bounds::$kind));
         })*
@@ -31,21 +32,26 @@ macro_rules! kinds {
 }
 
 kinds! {
+    #[ignore = "nightly: reads the longest files for a minute or more"]
     worlds_are_read_within_their_bounds: WORLD by texts::worlds,
     settings_are_read_within_their_bounds: SETTINGS by texts::settings,
     urdfs_are_read_within_their_bounds: URDF by texts::urdfs,
     xacros_are_expanded_within_their_bounds: XACRO by texts::xacros,
     meshes_are_read_within_their_bounds: MESH by meshes::meshes,
     descriptions_of_maps_are_read_within_their_bounds: GRID by maps::grids,
+    #[ignore = "nightly: reads the longest files for a minute or more"]
     images_are_read_within_their_bounds: IMAGE by maps::images,
     plans_are_read_within_their_bounds: PLAN by maps::plans,
     drawings_are_read_within_their_bounds: DRAWING by maps::drawings,
     tables_are_read_within_their_bounds: TABLE by texts::tables,
+    #[ignore = "nightly: reads the longest files for a minute or more"]
     recordings_are_read_within_their_bounds: RECORDING by recordings::recordings,
     scenarios_are_read_within_their_bounds: SCENARIO by recordings::scenarios,
     decisions_are_read_within_their_bounds: DECISIONS by recordings::decisions,
+    #[ignore = "nightly: reads the longest files for a minute or more"]
     snapshots_are_read_within_their_bounds: SNAPSHOT by recordings::snapshots,
     rows_are_read_within_their_bounds: ROWS by results::rows,
+    #[ignore = "nightly: reads the longest files for a minute or more"]
     columns_are_read_within_their_bounds: COLUMNS by results::columns,
 }
 
@@ -125,4 +131,20 @@ impl Bench {
 
 fn environment_4() -> String {
     std::fs::read_to_string(repository("worlds/environment-4.toml")).unwrap()
+}
+
+/// Also of the kinds whose longest files are read in the nightly set.
+#[test]
+fn a_world_an_image_and_a_snapshot_that_are_too_long_are_refused_at_once() {
+    for (bounds, name, line) in [
+        (&bounds::WORLD, "w.toml", "world w.toml"),
+        (&bounds::IMAGE, "grid.pgm", &maps::line("m.yaml")),
+        (&bounds::SNAPSHOT, "s", "run --resume s"),
+    ] {
+        let bench = Bench::new(bounds);
+        bench.write("m.yaml", maps::YAML);
+        let file = std::fs::File::create(bench.path(name)).unwrap();
+        file.set_len(bench.longest() as u64 + 1).unwrap();
+        bench.refuses(line, &format!("larger than {} bytes", bench.longest()));
+    }
 }
