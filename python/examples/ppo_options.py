@@ -9,9 +9,13 @@ over; that is a rule, not learned. PPO (numpy, no other packages) learns the res
 sooner.
 
 Training is on the planning level, in environments 1 to 4 and in rooms drawn at random (walls with openings, floors with posts),
-with the five kinds of human of the benchmark (`HUMANS`), of seeds below 2^32. The reward of a step is -J by what the shortest way
-takes, undiscounted, plus a potential, which changes no policy's rank. Of the training seeds, the last network of the one with the
-least cost on validation humans (from 2^32) and rooms is written.
+with four of the benchmark's five kinds of human (`HUMANS`), of seeds below 2^32: an environment draws the changes of mind once,
+for all its episodes. The reward of a step is -J by what the shortest way takes, undiscounted, plus a potential, which changes no
+policy's rank. Of the training seeds, the last network of the one with the least cost on validation humans (from 2^32, all five
+kinds) and rooms is written.
+
+The default command takes 5 minutes of CPU time. The J of its four seeds on validation is 0.998, 0.998, 1.000 and 1.011 of that
+of ``mutual``.
 """
 
 from __future__ import annotations
@@ -35,12 +39,25 @@ Layers: TypeAlias = list[list[Floats]]
 
 KEYS = ["length_m", "risk", "objective_cost_m", "expected_subjective_cost", "probability", "misaligned"]
 SIZES = [21, 32, 32, 2]
-WEIGHTS = pathlib.Path(__file__).with_suffix(".json")
 ENVIRONMENTS = [f"environment-{i}" for i in range(1, 5)]
 #: The kinds of human: settings of a scenario.
 HUMANS: list[dict[str, Any]] = [
-    {"eta": 5}, {"eta": 2}, {"eta": 10.5}, {"eta": 5, "preference_changes": "once-or-twice"}, {"eta": 5, "human_model": "boltzmann(1)"},
-]  # fmt: skip
+    {"eta": 5},
+    {"eta": 2},
+    {"eta": 10.5},
+    {"eta": 5, "preference_changes": "once-or-twice"},
+    {"eta": 5, "human_model": "boltzmann(1)"},
+]
+
+
+def load(file: pathlib.Path) -> Layers:
+    """The layers in a file; none if it is missing."""
+    text = file.read_text(encoding="utf-8") if file.exists() else '{"layers": []}'
+    return [[np.array(weights), np.array(bias)] for weights, bias in json.loads(text)["layers"]]
+
+
+#: The trained network. `PpoOptions` names it, so that the digest of the policy's code covers the weights.
+LAYERS = load(pathlib.Path(__file__).with_suffix(".json"))
 
 
 class PpoOptions(cocarry.Policy):
@@ -53,7 +70,7 @@ class PpoOptions(cocarry.Policy):
     name = "ppo-options"
 
     def __init__(self, layers: Layers | None = None) -> None:
-        self.layers = load(WEIGHTS) if layers is None else layers
+        self.layers = LAYERS if layers is None else layers
 
     def decide(self, view: cocarry.RobotView) -> int | None:
         """An option to lead on; None to follow."""
@@ -77,7 +94,8 @@ def seen(view: cocarry.RobotView) -> tuple[Floats, Floats]:
 
 
 def split(observations: Floats) -> tuple[Floats, Floats]:
-    """Observations of ``cocarry/Options-v0``, with ``available``: options (lanes, n, 8): `KEYS`, executed, available; team (lanes, 3)."""
+    """Of observations of ``cocarry/Options-v0`` in worlds with different numbers of options: options (lanes, n, 8), which are
+    `KEYS`, executed and available; and team (lanes, 3): phi, whether the human leads, and whether they take over."""
     return observations[:, :-3].reshape(len(observations), -1, len(KEYS) + 2), observations[:, -3:]
 
 
@@ -101,8 +119,8 @@ def features(options: Floats, team: Floats) -> Floats:
         return np.where(has_way, np.clip((values - least) / np.maximum(least, 1.0), 0.0, 2.0), 0.0)
 
     more, more_both = above_least(cost), above_least(both)
-    own = [more, above_least(subjective), above_least(length), more_both, more == 0, more_both == 0, risk, probability, misaligned, executed]
-    item = np.stack([*own, np.zeros_like(cost)], axis=2) * has_way[:, :, np.newaxis]
+    own = [more, above_least(subjective), above_least(length), more_both, more == 0, more_both == 0]
+    item = np.stack([*own, risk, probability, misaligned, executed, np.zeros_like(cost)], axis=2) * has_way[:, :, np.newaxis]
     # to follow: what the option of a person is expected to have
     follow = np.einsum("lo,lof->lf", probability, item)
     follow[:, -1] = 1.0
@@ -127,11 +145,6 @@ def run(layers: Layers, items: Floats, allowed: NDArray[np.bool_]) -> tuple[Floa
     scores -= scores.max(axis=1, keepdims=True)
     scores -= np.log(np.exp(scores).sum(axis=1, keepdims=True))
     return scores, values.sum(axis=1) / allowed.sum(axis=1), kept
-
-
-def load(file: pathlib.Path) -> Layers:
-    """The layers in a file."""
-    return [[np.array(weights), np.array(bias)] for weights, bias in json.loads(file.read_text(encoding="utf-8"))["layers"]]
 
 
 def shortest(options: Floats) -> Floats:
@@ -186,7 +199,7 @@ def room(draw: random.Random, name: str) -> cocarry.World:
     """A room of 16 m, with walls across that have openings, or with posts."""
     depth = draw.uniform(5.0, 10.0)
     boxes = [(5.5, -0.1, 17.4, 0.2), (5.5, depth + 0.1, 17.4, 0.2), (-3.1, depth / 2, 0.2, depth), (14.1, depth / 2, 0.2, depth)]
-    posts = []
+    posts: list[tuple[float, float, float]] = []
     if draw.random() < 0.7:
         for x in draw.choice([[draw.uniform(3, 6)], [3.5, 7.5]]):
             count, thick, low = draw.choice([2, 2, 3]), draw.choice([0.2, 0.2, draw.uniform(0.5, 2.0)]), 0.0
@@ -198,13 +211,16 @@ def room(draw: random.Random, name: str) -> cocarry.World:
                     low = high + width
             boxes.append((x, (low + depth) / 2, thick, depth - low))
     else:
-        posts = [(draw.uniform(2.5, 8.5), draw.uniform(0.8, depth - 0.8), draw.uniform(0.12, 0.6)) for _ in range(draw.randint(1, 6))]
+        for _ in range(draw.randint(1, 6)):
+            posts.append((draw.uniform(2.5, 8.5), draw.uniform(0.8, depth - 0.8), draw.uniform(0.12, 0.6)))
     text = f'name = "{name}"\nrobot_width_m = 0.5\n'
     text += f"start_m = [0.0, {draw.uniform(1.5, depth - 1.5):.3f}]\ntarget_m = [11.0, {draw.uniform(1.5, depth - 1.5):.3f}]\n"
     for i, (x, y, width, across) in enumerate(boxes):
-        text += f'[[obstacle]]\nname = "box-{i}"\nshape = "box"\ncenter_m = [{x:.3f}, {y:.3f}]\nsize_m = [{width:.3f}, {across:.3f}]\nheight_m = 2.0\n'
+        text += f'[[obstacle]]\nname = "box-{i}"\nshape = "box"\nheight_m = 2.0\n'
+        text += f"center_m = [{x:.3f}, {y:.3f}]\nsize_m = [{width:.3f}, {across:.3f}]\n"
     for i, (x, y, radius) in enumerate(posts):
-        text += f'[[obstacle]]\nname = "post-{i}"\nshape = "cylinder"\ncenter_m = [{x:.3f}, {y:.3f}]\nradius_m = {radius:.3f}\nheight_m = 2.0\n'
+        text += f'[[obstacle]]\nname = "post-{i}"\nshape = "cylinder"\nheight_m = 2.0\n'
+        text += f"center_m = [{x:.3f}, {y:.3f}]\nradius_m = {radius:.3f}\n"
     return cocarry.World.parse(text, name)
 
 
@@ -238,10 +254,11 @@ def train(seed: int, steps: int, lanes: int, worlds: list[Any]) -> Layers:
     import gymnasium
 
     length, rng = 128, np.random.default_rng(seed)
+    kinds = [kind for kind in HUMANS if "preference_changes" not in kind]
     vectors = [
         gymnasium.make_vec("cocarry/Options-v0", lanes, worlds=worlds, threads=1, autoreset_mode="SameStep",
                            objective_weight=1.0, subjective_weight=0.0, **kind)
-        for kind in HUMANS
+        for kind in kinds
     ]  # fmt: skip
     layers = [[rng.normal(0, 1 / np.sqrt(a), (a, b)), np.zeros(b)] for a, b in zip(SIZES, SIZES[1:])]
     layers[-1][0] *= 0.1
@@ -279,17 +296,17 @@ def train(seed: int, steps: int, lanes: int, worlds: list[Any]) -> Layers:
         for _ in range(4):
             for part in np.array_split(rng.permutation(len(data[0])), 5):
                 adam.step(slopes_of(layers, [column[part] for column in data], 0.2, 0.003 * left), 1e-3 * max(left, 0.05))
-        if update % 10 == 9:
+        if update % 50 == 49:
             print(f"seed {seed}, {(update + 1) * length * len(options)} steps: reward {rewards.mean():.4f}", flush=True)
     return layers
 
 
 def main(arguments: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--steps", type=int, default=1_000_000, help="training steps of a seed")
-    parser.add_argument("--seeds", type=int, default=3, help="training seeds")
-    parser.add_argument("--lanes", type=int, default=16, help="environments side by side, of each kind of human")
-    parser.add_argument("--rooms", type=int, default=48, help="rooms of training")
+    parser.add_argument("--steps", type=int, default=2_000_000, help="training steps of a seed")
+    parser.add_argument("--seeds", type=int, default=4, help="training seeds")
+    parser.add_argument("--lanes", type=int, default=20, help="environments side by side, of each kind of human")
+    parser.add_argument("--rooms", type=int, default=96, help="rooms of training")
     parser.add_argument("--humans", type=int, default=4, help="validation humans of each kind, in every world")
     parser.add_argument("--out", help="JSON file of the network")
     given = parser.parse_args(arguments)
@@ -299,7 +316,7 @@ def main(arguments: list[str] | None = None) -> None:
     worlds = [*ENVIRONMENTS, *rooms(0, given.rooms)]
     with tempfile.TemporaryDirectory() as folder:
         files = ENVIRONMENTS.copy()
-        for world in rooms(VALIDATION, 12):
+        for world in rooms(VALIDATION, 24):
             files.append(f"{folder}/{world.name}.toml")
             pathlib.Path(files[-1]).write_text(world.text, encoding="utf-8")
         mutual, found = cost(files, VALIDATION, given.humans), []
@@ -310,7 +327,7 @@ def main(arguments: list[str] | None = None) -> None:
             share = cost(files, VALIDATION, given.humans, PpoOptions(layers)) / mutual
             found.append((float(share.mean()), seed, layers))
             kinds = ", ".join(f"{mean:.4f}" for mean in share.mean(axis=1))
-            print(f"seed {seed}: J {share.mean():.4f} of mutual's; by kind of human {kinds}; {spent:.0f} s of CPU time", flush=True)
+            print(f"seed {seed}: J {share.mean():.4f} of mutual's, by kind of human {kinds}; CPU time {spent:.0f} s", flush=True)
     share, seed, layers = min(found)
     if given.out:
         about = {"seed": seed, "steps": given.steps, "share_of_mutual": round(share, 5)}

@@ -42,6 +42,34 @@ def test_ppo_runs_with_a_tiny_budget():
     assert importlib.util.find_spec("torch") and "\nppo " in shown
 
 
+def test_ppo_of_any_options_trains_and_sees_in_a_view_what_it_was_trained_on(tmp_path, monkeypatch):
+    gymnasium = pytest.importorskip("gymnasium")
+    budget = ["--steps=2048", "--seeds=1", "--lanes=4", "--rooms=2", "--humans=1"]
+    assert "of mutual's" in output("ppo_options.py", *budget, f"--out={tmp_path / 'network.json'}")
+    monkeypatch.syspath_prepend(str(EXAMPLES))
+    import ppo_options
+
+    class Watched(ppo_options.PpoOptions):
+        def decide(self, view):
+            found.append((ppo_options.features(*ppo_options.seen(view)), super().decide(view)))
+            return found[-1][1]
+
+    layers = ppo_options.load(tmp_path / "network.json")
+    worlds = ["free-form", ppo_options.rooms(1, 1)[0], "environment-4"]
+    environment = gymnasium.make("cocarry/Options-v0", worlds=worlds, eta=5)
+    for world in range(3):
+        found = []
+        cocarry.Episode(cocarry.Scenario(worlds[world], plant="point", seed=3, eta=5), policy=Watched(layers)).run()
+        observation, _ = environment.reset(seed=0, options={"world": world, "seed": 3})
+        for seen, decided in found:
+            count = seen.shape[1] - 1
+            items = ppo_options.features(*ppo_options.split(observation[None]))
+            assert (items[:, [*range(count), -1]] == seen).all()
+            follow = environment.action_space.n - 1
+            observation, _, terminated, *_ = environment.step(follow if decided is None else decided)
+        assert terminated and len(found) > 50
+
+
 def test_ppo_and_sac_carry_with_a_tiny_budget(tmp_path):
     pytest.importorskip("stable_baselines3")
     budget = ["--ppo-steps=4096", "--sac-steps=2400", "--seeds=1", "--humans=2", "--processes=1"]

@@ -23,7 +23,7 @@ const OUTLINE_COST: f64 = 6.0;
 const OPENING_COST: f64 = 12.0;
 /// A label that costs more than `CROWDED_COST` omits the width of its opening where that saves
 /// `MIN_SAVING`.
-const CROWDED_COST: f64 = 140.0;
+const CROWDED_COST: f64 = 200.0;
 const MIN_SAVING: f64 = 60.0;
 
 /// The clutter of a map before labels and paths.

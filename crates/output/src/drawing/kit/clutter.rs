@@ -5,7 +5,7 @@ use cocarry::geometry::{Bounds, Footprint, Point, Vector, segments_cross};
 /// Cost of a label that lies on bodies.
 const ON_BODY: f64 = 90.0;
 /// A leader line that crosses a line costs as much as a label that covers so much of it, px.
-const CROSSING: f64 = 8.0;
+const CROSSING: f64 = 5.0;
 
 /// Lines, and areas that must stay free, inside a frame.
 pub(in super::super) struct Clutter {
@@ -147,6 +147,6 @@ mod tests {
             .map(|x| clutter.cost(Bounds { min: Point::new(x, 50.0), max: Point::new(x + 20.0, 60.0) }));
         assert_eq!(on_body, [ON_BODY, ON_BODY * 0.6, 0.0]);
         let leader = |x: f64| [Point::new(x, 5.0), Point::new(x + 30.0, 5.0)];
-        assert_eq!([0.0, 10.0, 45.0].map(|x| clutter.leader_cost(leader(x))), [24.0, 0.0, 80.0]);
+        assert_eq!([0.0, 10.0, 45.0].map(|x| clutter.leader_cost(leader(x))), [15.0, 0.0, 50.0]);
     }
 }
