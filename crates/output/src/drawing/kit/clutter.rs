@@ -4,6 +4,8 @@ use cocarry::geometry::{Bounds, Footprint, Point, Vector, segments_cross};
 
 /// Cost of a label that lies on bodies.
 const ON_BODY: f64 = 90.0;
+/// Cost of a leader line that lies on bodies.
+const LEADER_ON_BODY: f64 = 240.0;
 /// A leader line that crosses a line costs as much as a label that covers so much of it, px.
 const CROSSING: f64 = 5.0;
 
@@ -61,18 +63,24 @@ impl Clutter {
             let share = Vector::new(f64::from(i % 5) / 4.0, f64::from(i / 5) / 2.0);
             area.min + area.size().component_mul(&share)
         });
-        let on_body = samples.filter(|p| self.bodies.iter().any(|body| body.contains(*p))).count();
         let outside = area.size().product() - overlap(area, self.frame);
-        covered + shared + 4.0 * outside + ON_BODY * on_body as f64 / 15.0
+        covered + shared + 4.0 * outside + ON_BODY * self.on_bodies(samples) as f64 / 15.0
     }
 
-    /// The cost of a leader line: lines that it crosses, and what it covers of reserved areas.
+    /// The number of these points that lie on bodies.
+    fn on_bodies(&self, points: impl Iterator<Item = Point>) -> usize {
+        points.filter(|p| self.bodies.iter().any(|body| body.contains(*p))).count()
+    }
+
+    /// The cost of a leader line: lines that it crosses, what it covers of reserved areas, and its share on bodies.
     pub fn leader_cost(&self, leader: [Point; 2]) -> f64 {
         let [from, to] = leader;
         let crossed =
             self.lines.iter().filter(|ClutterLine { ends: [a, b], .. }| segments_cross(from, to, *a, *b));
         let covered: f64 = self.taken.iter().map(|area| length_inside(*area, leader)).sum();
-        CROSSING * (crossed.map(|line| line.cost).sum::<f64>() + covered)
+        let samples = (0..12).map(|i| from + (to - from) * ((f64::from(i) + 0.5) / 12.0));
+        let on_bodies = LEADER_ON_BODY * self.on_bodies(samples) as f64 / 12.0;
+        CROSSING * (crossed.map(|line| line.cost).sum::<f64>() + covered) + on_bodies
     }
 
     /// Whether a label in this area covers a line.
@@ -146,7 +154,13 @@ mod tests {
         let on_body = [20.0, 30.0, 41.0]
             .map(|x| clutter.cost(Bounds { min: Point::new(x, 50.0), max: Point::new(x + 20.0, 60.0) }));
         assert_eq!(on_body, [ON_BODY, ON_BODY * 0.6, 0.0]);
+        let through = [Point::new(10.0, 60.0), Point::new(50.0, 60.0)];
+        assert_eq!(clutter.leader_cost(through), LEADER_ON_BODY / 2.0);
         let leader = |x: f64| [Point::new(x, 5.0), Point::new(x + 30.0, 5.0)];
-        assert_eq!([0.0, 10.0, 45.0].map(|x| clutter.leader_cost(leader(x))), [15.0, 0.0, 50.0]);
+        let costs = [0.0, 10.0, 45.0].map(|x| clutter.leader_cost(leader(x)));
+        assert!(
+            costs.iter().zip([15.0, 0.0, 50.0]).all(|(cost, expected)| (cost - expected).abs() < 1e-9),
+            "{costs:?}"
+        );
     }
 }
