@@ -550,6 +550,7 @@ class Lanes:
         task: str,
         scenarios: Sequence[Scenario],
         *,
+        preference_changes: int | str | None = None,
         alpha: float | None = None,
         gamma: float | None = None,
         weights: tuple[float, float, float] | None = None,

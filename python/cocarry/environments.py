@@ -100,8 +100,11 @@ class _Resumable:
     _made: dict[str, Any]
     render_mode: str | None
 
-    def _make(self, num_envs: int, task: str, scenarios: list[Scenario], **keywords: Any) -> Lanes:
-        self._made = {"num_envs": num_envs, "task": task, "scenarios": scenarios, **keywords}
+    def _make(self, num_envs: int, task: str, worlds: Any, plant: Any, settings: Mapping[str, Any], **keywords: Any) -> Lanes:
+        # the changes are drawn for every episode: those of the scenarios are of one seed
+        changes = settings.get("preference_changes")
+        scenarios = _scenarios(worlds, plant, settings)
+        self._made = {"num_envs": num_envs, "task": task, "scenarios": scenarios, "preference_changes": changes, **keywords}
         self._lanes = Lanes(**self._made)
         return self._lanes
 
@@ -222,7 +225,7 @@ class OptionsEnv(_Env):
         **settings: Any,
     ) -> None:
         lanes = self._make(
-            1, "options", _scenarios(worlds, "point", settings), alpha=alpha, gamma=gamma, max_steps=max_steps,
+            1, "options", worlds, "point", settings, alpha=alpha, gamma=gamma, max_steps=max_steps,
             weights=(objective_weight, subjective_weight, control_weight), max_episode_steps=max_episode_steps,
         )  # fmt: skip
         super().__init__(render_mode)
@@ -312,7 +315,7 @@ class CarryEnv(_Env):
     ) -> None:
         carrying = _carrying(plant, action, action_scale, most_step_cost, charges_failure, built_in)
         lanes = self._make(
-            1, action, _scenarios(worlds, plant, settings), alpha=alpha, gamma=gamma, max_steps=max_steps,
+            1, action, worlds, plant, settings, alpha=alpha, gamma=gamma, max_steps=max_steps,
             weights=(objective_weight, subjective_weight, control_weight), max_episode_steps=max_episode_steps, **carrying,
         )  # fmt: skip
         super().__init__(render_mode)
@@ -497,7 +500,7 @@ class OptionsVectorEnv(_VectorEnv):
     ) -> None:
         mode = _mode(autoreset_mode)
         lanes = self._make(
-            num_envs, "options", _scenarios(worlds, "point", settings), alpha=alpha, gamma=gamma, max_steps=max_steps,
+            num_envs, "options", worlds, "point", settings, alpha=alpha, gamma=gamma, max_steps=max_steps,
             weights=(objective_weight, subjective_weight, control_weight), max_episode_steps=max_episode_steps,
             autoreset=_AUTORESETS[mode], threads=threads,
         )  # fmt: skip
@@ -549,7 +552,7 @@ class CarryVectorEnv(_VectorEnv):
     ) -> None:
         mode, carrying = _mode(autoreset_mode), _carrying(plant, action, action_scale, most_step_cost, charges_failure, built_in)
         lanes = self._make(
-            num_envs, action, _scenarios(worlds, plant, settings), alpha=alpha, gamma=gamma, max_steps=max_steps,
+            num_envs, action, worlds, plant, settings, alpha=alpha, gamma=gamma, max_steps=max_steps,
             weights=(objective_weight, subjective_weight, control_weight), max_episode_steps=max_episode_steps,
             autoreset=_AUTORESETS[mode], threads=threads, **carrying,
         )  # fmt: skip

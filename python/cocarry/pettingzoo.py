@@ -18,7 +18,7 @@ from pettingzoo.utils.conversions import parallel_to_aec
 
 from cocarry import _arguments, _cocarry
 from cocarry._cocarry import World
-from cocarry.environments import _ENVIRONMENTS, _MODES, _WISHES, _check_render_mode, _Resumable, _scenarios, _seed, _space, _wish
+from cocarry.environments import _ENVIRONMENTS, _MODES, _WISHES, _check_render_mode, _Resumable, _seed, _space, _wish
 
 __all__ = ["CocarryEnv", "env", "parallel_env"]
 
@@ -52,7 +52,7 @@ class CocarryEnv(_Resumable, ParallelEnv):  # type: ignore[misc]
         weights = (objective_weight, subjective_weight, 0.0)
         if max_cycles is not None:
             _arguments.whole("max_cycles", max_cycles, 1)
-        self._make(1, "both", _scenarios(worlds, "point", settings), alpha=alpha, gamma=gamma, max_steps=max_cycles, weights=weights)
+        self._make(1, "both", worlds, "point", settings, alpha=alpha, gamma=gamma, max_steps=max_cycles, weights=weights)
         self._weights, self.render_mode = weights[:2], render_mode
         self.possible_agents = ["robot", "human"]
         self.agents: list[str] = []

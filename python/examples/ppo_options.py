@@ -9,8 +9,8 @@ over; that is a rule, not learned. PPO (numpy, no other packages) learns the res
 sooner.
 
 Training is on the planning level, in environments 1 to 4 and in rooms drawn at random (walls with openings, floors with posts),
-with four of the benchmark's five kinds of human (`HUMANS`), of seeds below 2^32: an environment draws the changes of mind once,
-for all its episodes. The reward of a step is -J by what the shortest way takes, undiscounted, plus a potential, which changes no
+with four of the benchmark's five kinds of human (`HUMANS`), of seeds below 2^32; those who change their minds are in validation
+only. The reward of a step is -J by what the shortest way takes, undiscounted, plus a potential, which changes no
 policy's rank. Of the training seeds, the last network of the one with the least cost on validation humans (from 2^32, all five
 kinds) and rooms is written.
 
@@ -71,6 +71,8 @@ class PpoOptions(cocarry.Policy):
 
     def __init__(self, layers: Layers | None = None) -> None:
         self.layers = LAYERS if layers is None else layers
+        if not self.layers:
+            raise FileNotFoundError("ppo_options.json, the trained network, is not next to ppo_options.py; train one with --out")
 
     def decide(self, view: cocarry.RobotView) -> int | None:
         """An option to lead on; None to follow."""

@@ -62,6 +62,12 @@ fn refused(key: &str, value: impl std::fmt::Display, expected: impl std::fmt::Di
     ScenarioError::new_err(format!("scenario: {key} = {value}; it must be {expected}"))
 }
 
+/// How many preference changes are drawn.
+pub fn counted_changes(given: &Bound<'_, PyAny>) -> PyResult<PreferenceChanges> {
+    let count = given.str()?.to_string().parse();
+    count.map_err(|_| refused("preference_changes", repr(given), PreferenceChanges::expected()))
+}
+
 /// The value of a setting in a Python object.
 fn value_of(setting: &Setting, given: &Bound<'_, PyAny>) -> PyResult<Value> {
     let is_flag = given.is_instance_of::<PyBool>();
@@ -225,10 +231,7 @@ impl Scenario {
             made.changes.push(PreferenceChange { step, perception: Perception { alpha, gamma } });
         }
         if let Some(count) = preference_changes {
-            let text = count.str()?.to_string();
-            let count: PreferenceChanges = text
-                .parse()
-                .map_err(|_| refused("preference_changes", repr(count), PreferenceChanges::expected()))?;
+            let count = counted_changes(count)?;
             let settings = &made.settings;
             let options = made.world.options(settings.predictor.risk_weight());
             let options = options.map_err(|e| raise::<WorldError>(&e))?;

@@ -75,10 +75,11 @@ def eq6(read, follow):
     return act
 
 
+@pytest.mark.parametrize("changes", [0, "once-or-twice"])
 @pytest.mark.parametrize("eta", [5.0, 15.0])
 @pytest.mark.parametrize("world", ["environment-1", "environment-4"])
-def test_equation_6_through_the_environment_is_mutual(world, eta):
-    environment = gymnasium.make("cocarry/Options-v0", worlds=world, eta=eta)
+def test_equation_6_through_the_environment_is_mutual(world, eta, changes):
+    environment = gymnasium.make("cocarry/Options-v0", worlds=world, eta=eta, preference_changes=changes)
     act = eq6(columns(environment), environment.action_space.n - 1)
     for seed in range(20):
         observation, info = environment.reset(options={"seed": seed})
@@ -86,7 +87,7 @@ def test_equation_6_through_the_environment_is_mutual(world, eta):
         while not over:
             observation, reward, terminated, truncated, end = environment.step(act(observation))
             total, over = total + reward, terminated or truncated
-        summary = cocarry.Episode(cocarry.Scenario(world, plant="point", seed=seed, eta=eta)).run()
+        summary = cocarry.Episode(cocarry.Scenario(world, plant="point", seed=seed, eta=eta, preference_changes=changes)).run()
         assert end["summary"] == summary and end["outcome"] == "arrived" and terminated and not truncated
         cost = summary["accumulated_objective_cost_m"] + summary["accumulated_subjective_cost"]
         assert total == pytest.approx(-cost)

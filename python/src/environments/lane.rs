@@ -9,7 +9,7 @@ use cocarry::human::{Human, HumanDecision, HumanView, Stance};
 use cocarry::preference::Perception;
 use cocarry::quantities::{EPISODE, Record, View};
 use cocarry::saved::{RestoreError, Saved};
-use cocarry::scenario::{GivenPerception, Partners, PreparedScenario, drawn_human};
+use cocarry::scenario::{GivenPerception, Partners, PreparedScenario, drawn_changes, drawn_human};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -128,7 +128,12 @@ impl Lane {
             alpha: wish.alpha.or(rules.given.alpha),
             gamma: wish.gamma.or(rules.given.gamma),
         };
-        scenario.human = drawn_human(scenario.settings.predictor.belief(), given, scenario.seed);
+        let (seed, settings) = (scenario.seed, &scenario.settings);
+        let belief = settings.predictor.belief();
+        scenario.human = drawn_human(belief, given, seed);
+        if let Some(count) = rules.changes {
+            scenario.changes = drawn_changes(count, belief, given, seed, base.options(), settings);
+        }
         self.subjective = 0.0;
         *self.human.lock().unwrap_or_else(PoisonError::into_inner) = (0, Stance::Follow);
         let made = base.prepare(scenario).map_err(|error| words(&error)).and_then(|prepared| {

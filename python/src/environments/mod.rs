@@ -13,7 +13,7 @@ mod saved;
 use crate::arguments;
 use crate::error::{ActionError, ClosedError, Error, RecordingError, ScenarioError, guarded};
 use crate::robot::input_limits;
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, counted_changes};
 use crate::value::{self, repr};
 use cocarry::preference::Perception;
 use cocarry::scenario::{GivenPerception, PERCEPTION, PreparedScenario};
@@ -152,7 +152,7 @@ fn in_use() -> PyErr {
 #[pymethods]
 impl Lanes {
     #[new]
-    #[pyo3(signature = (num_envs, task, scenarios, *, alpha = None, gamma = None, weights = None, max_steps = None,
+    #[pyo3(signature = (num_envs, task, scenarios, *, preference_changes = None, alpha = None, gamma = None, weights = None, max_steps = None,
         max_episode_steps = None, prices_ending = false, most_step_cost = None, action_scale = None,
         tells_built_in = false, autoreset = None, threads = None))]
     #[allow(clippy::too_many_arguments, reason = "keywords")]
@@ -161,6 +161,7 @@ impl Lanes {
         #[pyo3(from_py_with = arguments::num_envs)] num_envs: usize,
         task: &str,
         scenarios: Vec<Py<Scenario>>,
+        preference_changes: Option<&Bound<'_, PyAny>>,
         #[pyo3(from_py_with = arguments::given_alpha)] alpha: Option<f64>,
         #[pyo3(from_py_with = arguments::given_gamma)] gamma: Option<f64>,
         weights: Option<[Bound<'_, PyAny>; 3]>,
@@ -225,6 +226,7 @@ impl Lanes {
         };
         let rules = Rules {
             task,
+            changes: preference_changes.map(counted_changes).transpose()?,
             given: GivenPerception { alpha, gamma },
             options: bases.iter().map(|base| base.options().options().len()).max().unwrap_or(0),
             limits: limits.into_iter().map(|limit| limit * scale).collect(),

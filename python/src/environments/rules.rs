@@ -8,7 +8,7 @@ use cocarry::plant::Command;
 use cocarry::policy::{Decision, Motion};
 use cocarry::preference::{objective_cost, subjective_cost};
 use cocarry::robot::InputVector;
-use cocarry::scenario::{GivenPerception, PreparedScenario};
+use cocarry::scenario::{GivenPerception, PreferenceChanges, PreparedScenario};
 use std::sync::Arc;
 
 /// How many times the steps of the longest option an episode of an environment that prices its ending may take, by
@@ -93,6 +93,8 @@ pub(super) struct Rules {
     pub(super) task: Task,
     /// The scenarios to draw from, one for every world.
     pub(super) bases: Vec<Arc<PreparedScenario>>,
+    /// How many preference changes are drawn for an episode; `None`: those of the scenario.
+    pub(super) changes: Option<PreferenceChanges>,
     pub(super) given: GivenPerception,
     /// The largest number of options of a world.
     pub(super) options: usize,

@@ -51,7 +51,7 @@ kinds! {
     #[ignore = "nightly: reads the longest files for a minute or more"]
     snapshots_are_read_within_their_bounds: SNAPSHOT by recordings::snapshots,
     rows_are_read_within_their_bounds: ROWS by results::rows,
-    #[ignore = "nightly: reads the longest files for a minute or more"]
+    #[cfg_attr(feature = "parquet", ignore = "nightly: reads the longest files for a minute or more")]
     columns_are_read_within_their_bounds: COLUMNS by results::columns,
 }
 

@@ -1,6 +1,6 @@
 //! The labels of a map's openings, at positions where they cover as little as possible.
 
-use super::kit::{Align, Clutter, INK, TEXT_SIZE, Text, nearest, number, stroke};
+use super::kit::{Align, Clutter, INK, TEXT_SIZE, Text, around, nearest, number, overlap, stroke};
 use super::map_view::{BAR, END, MapView, paper};
 use cocarry::geometry::{Bounds, Point, Vector, direction};
 use cocarry::world::World;
@@ -14,6 +14,11 @@ const LINE_HEIGHT: f64 = TEXT_SIZE * 1.08;
 const LEADER_DISTANCE: f64 = 16.0;
 /// Cost of a leader line, apart from what it crosses.
 const LEADER_COST: f64 = 25.0;
+/// Labels are tried on rings around their opening: number of rings, radius of the first one, and the step to
+/// the next one, px.
+const RINGS: i32 = 20;
+const FIRST_RING: f64 = 14.0;
+const RING_STEP: f64 = 8.0;
 /// Largest width of a name, px.
 const NAME_WIDTH: f64 = 120.0;
 
@@ -98,23 +103,43 @@ fn best_place(lines: &[Text], own: usize, bars: &[[Point; 2]], clutter: &Clutter
     let center = nalgebra::center(&bars[own][0], &bars[own][1]);
     let width = lines.iter().map(|line| line.width(TEXT_SIZE)).fold(0.0, f64::max);
     let half = Vector::new(width / 2.0 + PADDING, lines.len() as f64 * LINE_HEIGHT / 2.0 + PADDING);
-    let places = (0..20).flat_map(|ring| (0..32).map(move |spoke| (f64::from(ring), f64::from(spoke))));
+    let places = (0..RINGS).flat_map(|ring| (0..32).map(move |spoke| (f64::from(ring), f64::from(spoke))));
     let areas = places.map(|(ring, spoke)| {
-        let middle = center + direction(spoke * std::f64::consts::TAU / 32.0) * (14.0 + 8.0 * ring);
+        let middle =
+            center + direction(spoke * std::f64::consts::TAU / 32.0) * (FIRST_RING + RING_STEP * ring);
         Bounds { min: middle - half, max: middle + half }
     });
-    let cost = |area: &Bounds| {
-        let distance = |bar: [Point; 2]| gap(*area, nearest_on(bar, *area));
-        let own_distance = distance(bars[own]);
-        let is_nearer_to_another =
-            bars.iter().enumerate().any(|(i, bar)| i != own && distance(*bar) < own_distance);
-        clutter.cost(*area)
-            + 0.7 * own_distance
-            + leader(bars[own], *area).map_or(0.0, |leader| LEADER_COST + clutter.leader_cost(leader))
-            + if is_nearer_to_another { 45.0 } else { 0.0 }
+    // what is farther changes no cost
+    let reach = FIRST_RING + RING_STEP * f64::from(RINGS) + 2.0 * half.norm();
+    let clutter = clutter.near(around(bars[own]).grown(reach));
+    let is_other = |(i, bar): (usize, &[Point; 2])| {
+        let is_near = overlap(around(*bar).grown(1.0), around(bars[own]).grown(2.0 * reach)) > 0.0;
+        (i != own && is_near).then_some(*bar)
     };
-    let found = areas.map(|area| (area, cost(&area))).min_by(|a, b| a.1.total_cmp(&b.1));
-    found.unwrap_or((Bounds { min: center - half, max: center + half }, f64::INFINITY))
+    let others: Vec<[Point; 2]> = bars.iter().enumerate().filter_map(is_other).collect();
+    let mut best: Option<(Bounds, f64)> = None;
+    for area in areas {
+        let is_beaten = |cost: f64| best.is_some_and(|(_, least)| cost >= least);
+        let distance = |bar: [Point; 2]| gap(area, nearest_on(bar, area));
+        let (own_distance, leader) = (distance(bars[own]), leader(bars[own], area));
+        // no part of the cost is negative: what costs too much already is not looked at further
+        let mut cost = 0.7 * own_distance + if leader.is_some() { LEADER_COST } else { 0.0 };
+        if is_beaten(cost) {
+            continue;
+        }
+        cost += clutter.cost(area);
+        if is_beaten(cost) {
+            continue;
+        }
+        cost += leader.map_or(0.0, |leader| clutter.leader_cost(leader));
+        if others.iter().any(|bar| distance(*bar) < own_distance) {
+            cost += 45.0;
+        }
+        if !is_beaten(cost) {
+            best = Some((area, cost));
+        }
+    }
+    best.unwrap_or((Bounds { min: center - half, max: center + half }, f64::INFINITY))
 }
 
 /// The line from a label to the side of its opening's bar, if the label is not next to it.

@@ -129,14 +129,14 @@ pub fn line_of_cells(cells: impl Iterator<Item = impl AsRef<[u8]>>) -> Vec<u8> {
     writer.into_inner().expect("writing to memory does not fail")
 }
 
-/// What pandas, R and spreadsheets read as no value at all.
+/// What `pandas.read_csv` reads as no value at all, by its documentation (`na_values`); R reads NA so.
 const MISSING: [&str; 18] = [
     "#N/A", "#N/A N/A", "#NA", "-1.#IND", "-1.#QNAN", "-NaN", "-nan", "1.#IND", "1.#QNAN", "<NA>", "N/A",
     "NA", "NULL", "NaN", "None", "n/a", "nan", "null",
 ];
 
-/// A name as it is written into rows: in one line, and `'NA'` for NA, which other programs would read as no value.
-/// Different names stay different.
+/// A name as it is written into rows: in one line, and `'NA'` for NA, which other programs would read as no
+/// value. Different names stay different.
 fn written_name(name: &str) -> String {
     let bare = name.trim_matches('\'');
     let is_taken = MISSING.contains(&bare) || bare.is_empty();

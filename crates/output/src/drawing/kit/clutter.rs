@@ -2,6 +2,8 @@
 
 use cocarry::geometry::{Bounds, Footprint, Point, Vector, segments_cross};
 
+/// Free margin around reserved areas, px.
+const TAKEN_MARGIN: f64 = 5.0;
 /// Cost of a label that lies on bodies.
 const ON_BODY: f64 = 90.0;
 /// Cost of a leader line that lies on bodies.
@@ -14,9 +16,10 @@ pub(in super::super) struct Clutter {
     frame: Bounds,
     lines: Vec<ClutterLine>,
     taken: Vec<Bounds>,
-    bodies: Vec<Footprint>,
+    bodies: Vec<(Bounds, Footprint)>,
 }
 
+#[derive(Clone)]
 struct ClutterLine {
     ends: [Point; 2],
     /// Half of its width, px.
@@ -42,6 +45,17 @@ impl Clutter {
         self.lines.extend(points.windows(2).map(|w| ClutterLine { ends: [w[0], w[1]], half, cost }));
     }
 
+    /// What there is within an area or touches it: costs there are the same.
+    pub fn near(&self, area: Bounds) -> Self {
+        let meets = |other: Bounds| overlap(area, other) > 0.0;
+        Self {
+            frame: self.frame,
+            lines: self.lines.iter().filter(|l| meets(around(l.ends).grown(l.half))).cloned().collect(),
+            taken: self.taken.iter().copied().filter(|taken| meets(taken.grown(TAKEN_MARGIN))).collect(),
+            bodies: self.bodies.iter().filter(|(bounds, _)| meets(*bounds)).cloned().collect(),
+        }
+    }
+
     /// Reserves an area.
     pub fn take(&mut self, area: Bounds) {
         self.taken.push(area);
@@ -51,35 +65,43 @@ impl Clutter {
     pub fn add_body(&mut self, mut corners: Vec<Point>) {
         // counter-clockwise, though y points down
         corners.reverse();
-        self.bodies.push(Footprint::Polygon(corners));
+        let body = Footprint::Polygon(corners);
+        self.bodies.push((body.bounds(), body));
     }
 
     /// The cost of a label in this area: covered lines by their cost, reserved areas per pixel, four times the
     /// area outside, and the share on bodies.
     pub fn cost(&self, area: Bounds) -> f64 {
         let covered: f64 = self.lines.iter().map(|line| line.cost * line.inside(area)).sum();
-        let shared: f64 = self.taken.iter().map(|t| overlap(area, t.grown(5.0))).sum();
+        let shared: f64 = self.taken.iter().map(|t| overlap(area, t.grown(TAKEN_MARGIN))).sum();
         let samples = (0..15).map(|i| {
             let share = Vector::new(f64::from(i % 5) / 4.0, f64::from(i / 5) / 2.0);
             area.min + area.size().component_mul(&share)
         });
         let outside = area.size().product() - overlap(area, self.frame);
-        covered + shared + 4.0 * outside + ON_BODY * self.on_bodies(samples) as f64 / 15.0
+        covered + shared + 4.0 * outside + ON_BODY * self.on_bodies(area, samples) as f64 / 15.0
     }
 
-    /// The number of these points that lie on bodies.
-    fn on_bodies(&self, points: impl Iterator<Item = Point>) -> usize {
-        points.filter(|p| self.bodies.iter().any(|body| body.contains(*p))).count()
+    /// The number of these points of an area that lie on bodies.
+    fn on_bodies(&self, area: Bounds, points: impl Iterator<Item = Point>) -> usize {
+        let near: Vec<&Footprint> = self
+            .bodies
+            .iter()
+            .filter(|(bounds, _)| overlap(area, *bounds) > 0.0)
+            .map(|(_, body)| body)
+            .collect();
+        points.filter(|p| near.iter().any(|body| body.contains(*p))).count()
     }
 
-    /// The cost of a leader line: lines that it crosses, what it covers of reserved areas, and its share on bodies.
+    /// The cost of a leader line: lines that it crosses, what it covers of reserved areas, and its share on
+    /// bodies.
     pub fn leader_cost(&self, leader: [Point; 2]) -> f64 {
         let [from, to] = leader;
         let crossed =
             self.lines.iter().filter(|ClutterLine { ends: [a, b], .. }| segments_cross(from, to, *a, *b));
         let covered: f64 = self.taken.iter().map(|area| length_inside(*area, leader)).sum();
         let samples = (0..12).map(|i| from + (to - from) * ((f64::from(i) + 0.5) / 12.0));
-        let on_bodies = LEADER_ON_BODY * self.on_bodies(samples) as f64 / 12.0;
+        let on_bodies = LEADER_ON_BODY * self.on_bodies(around(leader).grown(1.0), samples) as f64 / 12.0;
         CROSSING * (crossed.map(|line| line.cost).sum::<f64>() + covered) + on_bodies
     }
 
@@ -89,8 +111,13 @@ impl Clutter {
     }
 }
 
+/// The bounds of a line.
+pub(in super::super) fn around([a, b]: [Point; 2]) -> Bounds {
+    Bounds { min: a.inf(&b), max: a.sup(&b) }
+}
+
 /// Area that two areas have in common.
-fn overlap(a: Bounds, b: Bounds) -> f64 {
+pub(in super::super) fn overlap(a: Bounds, b: Bounds) -> f64 {
     let size = a.max.coords.inf(&b.max.coords) - a.min.coords.sup(&b.min.coords);
     if size.min() <= 0.0 { 0.0 } else { size.product() }
 }

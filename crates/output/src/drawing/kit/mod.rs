@@ -19,7 +19,7 @@ mod text;
 
 pub(super) use crate::palette::RISK_COLOURS;
 pub(super) use axis::{Axis, Plot, Side};
-pub(super) use clutter::{Clutter, nearest};
+pub(super) use clutter::{Clutter, around, nearest, overlap};
 pub(super) use legend::{Legend, SAMPLE, level_sample, line_sample};
 pub use letters::Letters;
 pub(super) use marks::{Shape, mark, mean_bar, place};
