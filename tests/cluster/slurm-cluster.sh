@@ -8,7 +8,7 @@ skip() { echo "skipped: studies on Slurm; $1"; exit 0; }
 if ! command -v slurmctld slurmd sbatch > /dev/null; then
   command -v apt-get > /dev/null || skip "install slurmctld, slurmd and slurm-client"
   # policy-rc.d would keep services from starting; without systemd none does
-  { apt-get update && DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends slurmctld slurmd slurm-client; } \
+  { apt-get update && DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=300 install -y --no-install-recommends slurmctld slurmd slurm-client; } \
     > /dev/null 2>&1 || skip "slurmctld, slurmd and slurm-client could not be installed"
 fi
 
