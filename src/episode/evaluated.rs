@@ -14,7 +14,7 @@ const MAX_LENGTH_M: f64 = 1e6;
 
 /// Remaining length and risk of every option from the team's position, in the order of the option set.
 pub fn prospects(options: &OptionSet, progress: &Progress) -> Vec<Prospect> {
-    (0..options.options().len()).map(|o| prospect(options.remaining(progress, o))).collect()
+    options.all_remaining(progress).map(prospect).collect()
 }
 
 pub(super) fn prospect(remaining: Remaining) -> Prospect {
@@ -46,8 +46,7 @@ impl Evaluated {
         let Self { mut prospects, mut ways, mut costs } = memory;
         prospects.clear();
         costs.clear();
-        for o in 0..options.options().len() {
-            let remaining = options.remaining(progress, o);
+        for remaining in options.all_remaining(progress) {
             let prospect = prospect(remaining);
             let misaligned = toward.is_some_and(|toward| is_misaligned(toward, remaining.next));
             prospects.push(prospect);

@@ -46,7 +46,7 @@ use crate::learning::Learner;
 use crate::options::{OptionSet, Progress};
 use crate::plant::Plant;
 use crate::policy::{Decision, RobotPolicy};
-use crate::preference::{Perception, Predictor, Prospect, Ways};
+use crate::preference::{PerceivedRisks, Perception, Predictor, Prospect, Ways};
 use crate::robot::Configuration;
 use crate::simulation::Observation;
 use crate::team::{Route, Walk};
@@ -77,6 +77,8 @@ pub struct Episode<'a> {
     begun: Option<Begun>,
     /// A step that is being carried out.
     carried: Option<Carried>,
+    /// The robot in the control periods of that step that are done.
+    carried_robot: Option<RobotTick>,
     /// The decisions of the last step.
     decided: Option<(HumanDecision, Decision)>,
     /// D_o and S_o in the last step.
@@ -89,6 +91,7 @@ pub struct Episode<'a> {
     hands: Vec<Option<Point>>,
     /// Memory for the next step, and for the poses of the robot's bodies.
     memory: (Evaluated, Predicted),
+    perceived: PerceivedRisks,
     body_poses: Vec<Pose>,
     steps_without_progress: u32,
     /// Whether the episode continues after the loss of the object.

@@ -24,6 +24,7 @@ mod choice;
 mod curve;
 mod envelope;
 mod expectation;
+mod known;
 mod limits;
 mod margin;
 mod marginal;
@@ -48,6 +49,7 @@ pub(crate) use limits::check_lapse_rate;
 use limits::check_rate;
 pub use limits::{MAX_LAPSE_RATE, MAX_RATIONALITY};
 pub use marginal::Marginal;
+pub(crate) use perception::PerceivedRisks;
 pub use perception::{
     MAX_PERCEPTION, Perception, Prospect, human_choice, objective_cost, perceived_distance, perceived_risk,
     subjective_cost,
