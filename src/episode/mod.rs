@@ -46,12 +46,13 @@ use crate::learning::Learner;
 use crate::options::{OptionSet, Progress};
 use crate::plant::Plant;
 use crate::policy::{Decision, RobotPolicy};
-use crate::preference::{PerceivedRisks, Perception, Predictor, Prospect, Ways};
+use crate::preference::{PerceivedRisks, Perception, Predictions, Predictor, Prospect, Ways};
 use crate::robot::Configuration;
 use crate::simulation::Observation;
 use crate::team::{Route, Walk};
 use carry::Carried;
 use evaluated::{Evaluated, Predicted};
+use std::sync::Arc;
 use step::Begun;
 
 /// A running episode. A clone continues independently and identically.
@@ -66,6 +67,8 @@ pub struct Episode<'a> {
     plant: Box<dyn Plant + 'a>,
     manipulator: Option<Manipulator<'a>>,
     predictor: Predictor,
+    /// What the predictor gave in other episodes, if it is kept.
+    predictions: Option<Arc<Predictions>>,
     learner: Option<Box<Learner>>,
     progress: Progress,
     route: Route,
