@@ -8,7 +8,6 @@ use crate::controller::Way;
 use crate::geometry::Point;
 use crate::plant::Command;
 use crate::policy::{Decision, Motion};
-use crate::preference::subjective_cost;
 use crate::team::Step;
 
 /// A step that is being carried out.
@@ -28,7 +27,6 @@ pub(super) struct Carried {
     ends: Option<EndMotions>,
     /// The number of control periods done, and the number of periods in the step.
     pub periods: [u32; 2],
-    robot: Option<RobotTick>,
     walked: f64,
 }
 
@@ -47,6 +45,7 @@ impl Episode<'_> {
         let (seen_at, ends) = (seen.position, self.tick.ends.or_else(|| EndMotions::at_rest(&seen)));
         let count = self.settings.control_periods().expect("a scenario's check has refused other periods");
         self.plant.begin();
+        self.carried_robot = None;
         self.carried = Some(Carried {
             begun,
             lead: *lead,
@@ -58,7 +57,6 @@ impl Episode<'_> {
             seen_at,
             ends,
             periods: [0, count],
-            robot: None,
             walked: 0.0,
         });
     }
@@ -70,10 +68,10 @@ impl Episode<'_> {
         let Some(mut carried) = self.carried.take() else { return false };
         let (moved, tick) = self.carry_one_period(&carried.begun, &carried.lead, carried.periods);
         carried.walked += moved;
-        carried.robot = match (carried.robot, tick) {
-            (Some(before), Some(tick)) => Some(before.and(&tick)),
-            (_, tick) => tick,
-        };
+        // the robot's part is large, and copied only where there is a robot
+        if let Some(tick) = tick {
+            self.carried_robot = Some(self.carried_robot.map_or(tick, |before| before.and(&tick)));
+        }
         carried.periods[0] += 1;
         let goes_on = carried.periods[0] < carried.periods[1];
         match goes_on {
@@ -93,8 +91,8 @@ impl Episode<'_> {
     fn end_step(&mut self, carried: Carried) {
         let now = self.now();
         let Carried { begun, lead, executed, reverses_for, from, position, heading, seen_at, .. } = carried;
-        let Carried { periods: [_, count], robot, walked, ends, .. } = carried;
-        let robot = robot.map(|robot| robot.mean_of(count));
+        let Carried { periods: [_, count], walked, ends, .. } = carried;
+        let robot = self.carried_robot.take().map(|robot| robot.mean_of(count));
         let Begun { mut evaluated, mut predicted, human, .. } = begun;
         let objective_cost = evaluated.costs[executed].objective;
         let tick = Tick {
@@ -115,10 +113,13 @@ impl Episode<'_> {
             ends: ends.and_then(|ends| ends.then(&self.plant.observe(), self.settings.planning_step)),
         };
         let (prospect, risk_weight) = (evaluated.prospects[executed], self.predictor.risk_weight());
+        let perceived = &mut self.perceived;
+        let subjective_cost =
+            human.perception.map(|own| perceived.subjective_cost(executed, prospect, risk_weight, own));
         self.summary.add(&Done {
             tick: &tick,
             before: (now.step > 0).then_some(&self.tick),
-            subjective_cost: human.perception.map(|own| subjective_cost(prospect, risk_weight, own)),
+            subjective_cost,
             has_changed: self.human.change(now.step).is_some(),
             walked,
             shortest: evaluated.prospects.iter().map(|option| option.length).fold(f64::INFINITY, f64::min),
@@ -133,7 +134,8 @@ impl Episode<'_> {
         self.steps_without_progress = if came_on { 0 } else { self.steps_without_progress + 1 };
         self.decided = Some((human, lead));
         // memory for the next step
-        *predicted.options() = std::mem::replace(&mut self.tick, tick).options;
+        *predicted.options() = std::mem::take(&mut self.tick.options);
+        self.tick = tick;
         std::mem::swap(&mut self.prospects, &mut evaluated.prospects);
         std::mem::swap(&mut self.ways, &mut evaluated.ways);
         self.memory = (evaluated, predicted);

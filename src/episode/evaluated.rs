@@ -5,7 +5,7 @@ use super::now::Now;
 use crate::coordination::{Mode, OptionCost, OptionTick, is_misaligned};
 use crate::learning::Learner;
 use crate::options::{OptionSet, Progress, Remaining, Waypoint};
-use crate::preference::{ChoiceDistribution, Predictor, Prospect, Ways, objective_cost};
+use crate::preference::{ChoiceDistribution, Predictions, Predictor, Prospect, Ways, objective_cost};
 use serde::{Deserialize, Serialize};
 
 /// The length (m) at which predictions cap an option, also one without a path. It is far beyond what a human
@@ -14,7 +14,7 @@ const MAX_LENGTH_M: f64 = 1e6;
 
 /// Remaining length and risk of every option from the team's position, in the order of the option set.
 pub fn prospects(options: &OptionSet, progress: &Progress) -> Vec<Prospect> {
-    (0..options.options().len()).map(|o| prospect(options.remaining(progress, o))).collect()
+    options.all_remaining(progress).map(prospect).collect()
 }
 
 pub(super) fn prospect(remaining: Remaining) -> Prospect {
@@ -46,8 +46,7 @@ impl Evaluated {
         let Self { mut prospects, mut ways, mut costs } = memory;
         prospects.clear();
         costs.clear();
-        for o in 0..options.options().len() {
-            let remaining = options.remaining(progress, o);
+        for remaining in options.all_remaining(progress) {
             let prospect = prospect(remaining);
             let misaligned = toward.is_some_and(|toward| is_misaligned(toward, remaining.next));
             prospects.push(prospect);
@@ -72,6 +71,9 @@ pub(super) struct Prediction {
     /// The options with P_o and J~_o.
     pub options: Vec<OptionTick>,
     expected: Vec<f64>,
+    /// Memory for the search among known predictions.
+    #[serde(skip)]
+    key: Vec<u64>,
 }
 
 /// The parts of a prediction that are needed.
@@ -85,8 +87,9 @@ struct Asked {
 
 /// The distribution of (alpha, gamma) that predicts.
 enum By<'p> {
-    /// The belief before the episode, which the human's discomfort follows, eq. (5).
-    Prior(&'p mut Predictor),
+    /// The belief before the episode, which the human's discomfort follows, eq. (5), and what it gave in other
+    /// episodes.
+    Prior(&'p mut Predictor, Option<&'p Predictions>),
     /// The learned belief, which the robot's choices follow, eqs. (6) and (8), and its lapse rate.
     Learned(&'p mut Learner, f64),
 }
@@ -100,12 +103,16 @@ impl Prediction {
 
     /// The prediction for these options. `memory` is used again.
     fn of(evaluated: &Evaluated, mut by: By, asked: Asked, memory: Self) -> Self {
-        let Self { mut choice, mut options, mut expected } = memory;
+        let Self { mut choice, mut options, mut expected, mut key } = memory;
         let (prospects, ways) = (&evaluated.prospects, &evaluated.ways);
         choice.clear();
         expected.clear();
         match &mut by {
-            By::Prior(prior) if asked.choice => prior.predict_from(prospects, ways, &mut choice),
+            // both are asked while the robot leads, when the human does not matter yet
+            By::Prior(prior, Some(known)) if asked.choice && asked.expected => {
+                known.predict(prior, (prospects, ways), &mut key, &mut choice, &mut expected);
+            }
+            By::Prior(prior, _) if asked.choice => prior.predict_from(prospects, ways, &mut choice),
             By::Learned(learner, lapse_rate) if asked.choice => {
                 learner.predict(prospects, ways, &mut choice);
                 choice.add_lapses(*lapse_rate);
@@ -113,7 +120,8 @@ impl Prediction {
             _ => {}
         }
         match &mut by {
-            By::Prior(prior) if asked.expected => prior.expected_costs(prospects, &mut expected),
+            By::Prior(_, Some(_)) if asked.choice && asked.expected => {}
+            By::Prior(prior, _) if asked.expected => prior.expected_costs(prospects, &mut expected),
             By::Learned(learner, _) if asked.expected => learner.expected_costs(prospects, &mut expected),
             _ => {}
         }
@@ -122,7 +130,7 @@ impl Prediction {
         let costs = evaluated.costs.iter().enumerate();
         options
             .extend(costs.map(|(o, c)| c.predicted(value(choice.probabilities(), o), value(&expected, o))));
-        Self { choice, options, expected }
+        Self { choice, options, expected, key }
     }
 }
 
@@ -162,7 +170,8 @@ impl Episode<'_> {
         let choice = expected || self.controller.anticipates() || self.settings.predict_while_human_leads;
         let (asked, lapse_rate) = (Asked { choice, expected }, self.predictor.lapse_rate());
         let Predicted { prior, learned } = memory;
-        let prior = Prediction::of(evaluated, By::Prior(&mut self.predictor), asked, prior);
+        let by = By::Prior(&mut self.predictor, self.predictions.as_deref());
+        let prior = Prediction::of(evaluated, by, asked, prior);
         let learned = self.learner.as_deref_mut().map(|learner| {
             Prediction::of(evaluated, By::Learned(learner, lapse_rate), asked, learned.unwrap_or_default())
         });

@@ -46,12 +46,13 @@ use crate::learning::Learner;
 use crate::options::{OptionSet, Progress};
 use crate::plant::Plant;
 use crate::policy::{Decision, RobotPolicy};
-use crate::preference::{Perception, Predictor, Prospect, Ways};
+use crate::preference::{PerceivedRisks, Perception, Predictions, Predictor, Prospect, Ways};
 use crate::robot::Configuration;
 use crate::simulation::Observation;
 use crate::team::{Route, Walk};
 use carry::Carried;
 use evaluated::{Evaluated, Predicted};
+use std::sync::Arc;
 use step::Begun;
 
 /// A running episode. A clone continues independently and identically.
@@ -66,6 +67,8 @@ pub struct Episode<'a> {
     plant: Box<dyn Plant + 'a>,
     manipulator: Option<Manipulator<'a>>,
     predictor: Predictor,
+    /// What the predictor gave in other episodes, if it is kept.
+    predictions: Option<Arc<Predictions>>,
     learner: Option<Box<Learner>>,
     progress: Progress,
     route: Route,
@@ -77,6 +80,8 @@ pub struct Episode<'a> {
     begun: Option<Begun>,
     /// A step that is being carried out.
     carried: Option<Carried>,
+    /// The robot in the control periods of that step that are done.
+    carried_robot: Option<RobotTick>,
     /// The decisions of the last step.
     decided: Option<(HumanDecision, Decision)>,
     /// D_o and S_o in the last step.
@@ -89,6 +94,7 @@ pub struct Episode<'a> {
     hands: Vec<Option<Point>>,
     /// Memory for the next step, and for the poses of the robot's bodies.
     memory: (Evaluated, Predicted),
+    perceived: PerceivedRisks,
     body_poses: Vec<Pose>,
     steps_without_progress: u32,
     /// Whether the episode continues after the loss of the object.

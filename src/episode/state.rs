@@ -85,9 +85,9 @@ impl Episode<'_> {
             // inputs
             options: _, settings: _, manipulator: _, tick_limit: _, ignores_loss: _,
             // memory that every step fills again
-            predictor: _, memory: _, body_poses: _, hand_from: _, hands: _,
+            predictor: _, predictions: _, memory: _, perceived: _, body_poses: _, hand_from: _, hands: _,
             // of a step that is carried out
-            carried: _,
+            carried: _, carried_robot: _,
             begun,
             // for a robot that learns
             learner, prospects, ways, decided,

@@ -3,7 +3,7 @@
 use super::model::{HumanModel, Participant, PreferenceChange, bad_arguments};
 use super::{Human, HumanDecision, HumanView};
 use crate::coordination::{Stubbornness, StubbornnessSettings};
-use crate::preference::{Perception, human_choice};
+use crate::preference::{PerceivedRisks, Perception};
 use crate::saved::{RestoreError, Saved};
 use serde::{Deserialize, Serialize};
 
@@ -27,12 +27,19 @@ pub struct PreferenceHuman {
     #[serde(skip)]
     changes: Vec<PreferenceChange>,
     stubbornness: Stubbornness,
+    #[serde(skip)]
+    perceived: PerceivedRisks,
 }
 
 impl PreferenceHuman {
     /// A human without preference changes.
     pub fn new(perception: Perception, stubbornness: StubbornnessSettings) -> Self {
-        Self { perception, changes: Vec::new(), stubbornness: Stubbornness::new(stubbornness) }
+        Self {
+            perception,
+            changes: Vec::new(),
+            stubbornness: Stubbornness::new(stubbornness),
+            perceived: PerceivedRisks::default(),
+        }
     }
 
     /// This participant as the paper's human.
@@ -65,7 +72,8 @@ impl PreferenceHuman {
 impl Human for PreferenceHuman {
     fn decide(&mut self, view: &HumanView<'_>) -> HumanDecision {
         let perception = self.perceive(view.step);
-        let option = human_choice(view.prospects, view.risk_weight, perception, view.executed);
+        let Self { perceived, .. } = self;
+        let option = perceived.human_choice(view.prospects, view.risk_weight, perception, view.executed);
         HumanDecision::new(option, self.accumulate(view), Some(perception))
     }
 

@@ -27,11 +27,12 @@ pub use trajectory::{nominal_trajectory, turned};
 use crate::error::{Error, Place};
 use crate::geometry::{Path, Point};
 use crate::world::{ListedOption, World};
+use arrayvec::ArrayVec;
 use build::{passages, refused, space, straights, unreachable};
 use passage::{Exit, Passage};
 use path_option::{After, Afters};
 use progress::Rest;
-use roadmap::{Roadmap, Straight};
+use roadmap::{Leg, Roadmap, Straight};
 use serde::{Deserialize, Serialize};
 use sites::{MAX_LANES, START, Sites, TARGET};
 use stage::Stages;
@@ -39,6 +40,9 @@ use std::collections::BTreeSet;
 
 /// The largest number of corners and cylinders of a world in which [`OptionSet::shortest_lengths`] searches.
 const MAX_CORNERS_OF_SHORTEST: usize = 400;
+
+/// The number of sites whose paths from the team's position are kept within a step.
+const MAX_KNOWN_LEGS: usize = 16;
 
 /// Where a path goes through a gap between pillars. Elsewhere there is one way through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,6 +90,31 @@ pub enum Waypoint {
     Opening(Crossing),
     /// The target.
     Target,
+}
+
+/// The paths from one point to sites. Several options often lead to the same site next.
+struct LegsFrom {
+    point: Point,
+    known: ArrayVec<(usize, Leg), MAX_KNOWN_LEGS>,
+}
+
+impl LegsFrom {
+    fn new(point: Point) -> Self {
+        Self { point, known: ArrayVec::new() }
+    }
+
+    /// The path to a site.
+    fn to(&mut self, roadmap: &Roadmap, site: usize) -> Leg {
+        if let Some((_, leg)) = self.known.iter().find(|(known, _)| *known == site) {
+            return *leg;
+        }
+        let leg = roadmap.leg(self.point, site);
+        // beyond the capacity, paths are found again
+        if !self.known.is_full() {
+            self.known.push((site, leg));
+        }
+        leg
+    }
 }
 
 impl OptionSet {
@@ -242,11 +271,22 @@ impl OptionSet {
     /// option. Until then the opening's risk counts, and an option that follows the straight part farther
     /// continues along it.
     pub fn remaining(&self, progress: &Progress, option: usize) -> Remaining {
+        self.remaining_by(progress, option, &mut LegsFrom::new(self.off_gaps(progress.position)))
+    }
+
+    /// [`OptionSet::remaining`] of every option, in order.
+    pub fn all_remaining<'a>(&'a self, progress: &'a Progress) -> impl Iterator<Item = Remaining> + 'a {
+        let mut legs = LegsFrom::new(self.off_gaps(progress.position));
+        (0..self.options.len()).map(move |option| self.remaining_by(progress, option, &mut legs))
+    }
+
+    /// [`OptionSet::remaining`] with the legs from the team's position off the gaps.
+    fn remaining_by(&self, progress: &Progress, option: usize, legs: &mut LegsFrom) -> Remaining {
         let (next, rest, risk) =
             (self.next(progress, option), progress.rest(option), self.risk(progress, option));
         let way = &self.options[option];
         let length = match progress.inside.zip(self.exit(progress, option)) {
-            None => self.beyond_point(self.off_gaps(progress.position), rest, way).length,
+            None => self.beyond(rest, way, |site| legs.to(&self.roadmap, site)).length,
             Some((crossing, Exit::Axis(end))) => {
                 (end - progress.position).norm() + self.after_gap(crossing, rest, way).length
             }
@@ -344,12 +384,17 @@ impl OptionSet {
     /// The remainder of an option from a point that is in no straight part beyond a gap; the whole length is
     /// [`After::length`].
     fn beyond_point(&self, p: Point, rest: &Rest, way: &PathOption) -> After {
+        self.beyond(rest, way, |site| self.roadmap.leg(p, site))
+    }
+
+    /// [`OptionSet::beyond_point`] with the paths from that point to sites.
+    fn beyond(&self, rest: &Rest, way: &PathOption, mut leg: impl FnMut(usize) -> Leg) -> After {
         let Some(next) = rest.ahead(way).next() else {
-            return After { exit: 0.0, length: self.roadmap.leg(p, TARGET).length, lane: 0 };
+            return After { exit: 0.0, length: leg(TARGET).length, lane: 0 };
         };
         let afters = self.afters(rest, way, 0);
         let through = |lane: usize| {
-            let (leg, after) = (self.roadmap.leg(p, self.sites.before(next, lane)), afters[lane]);
+            let (leg, after) = (leg(self.sites.before(next, lane)), afters[lane]);
             After { exit: 0.0, length: leg.length + (leg.depth + after.exit) + after.length, lane }
         };
         let lanes = (0..self.sites.lanes(next.opening)).map(through);
@@ -462,5 +507,31 @@ impl OptionSet {
         shortest(arrived)
             .map(|(_, way)| way)
             .ok_or_else(|| not_walkable(listed.openings.len(), "the target".to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::world::BUILT_IN_WORLDS;
+
+    #[test]
+    fn property_all_options_at_once_are_each_option_to_the_bit() {
+        for built_in in BUILT_IN_WORLDS {
+            let world = World::parse(built_in.name, built_in.text).unwrap();
+            let set = OptionSet::new(&world, 10.0).unwrap();
+            for walked in 0..set.options().len() {
+                let mut progress = set.begin();
+                let path = set.path(&progress, walked).unwrap();
+                for step in 0..200 {
+                    let point = path.point_at(f64::from(step) / 199.0 * path.length()).unwrap();
+                    set.advance(&mut progress, point);
+                    let each: Vec<Remaining> =
+                        (0..set.options().len()).map(|option| set.remaining(&progress, option)).collect();
+                    let all: Vec<Remaining> = set.all_remaining(&progress).collect();
+                    assert_eq!(all, each, "{} {walked} {step}", built_in.name);
+                }
+            }
+        }
     }
 }

@@ -63,6 +63,12 @@ impl ChoiceDistribution {
         self.probabilities.iter_mut().for_each(|p| *p = with_lapses(*p, lapse_rate, options));
     }
 
+    /// Takes over the probabilities of another distribution.
+    pub(super) fn take_over(&mut self, probabilities: &[f64]) {
+        self.probabilities.clear();
+        self.probabilities.extend_from_slice(probabilities);
+    }
+
     /// Removes all entries, and keeps the memory.
     pub fn clear(&mut self) {
         self.probabilities.clear();

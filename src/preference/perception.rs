@@ -87,8 +87,50 @@ pub fn human_choice(
     cheapest(prospects.len(), current, cost)
 }
 
+/// The perceived risks of options, kept from step to step: the remaining risk of an option changes at openings
+/// only. Costs and choices are those of [`subjective_cost`] and [`human_choice`], to the bit.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PerceivedRisks {
+    /// By option, the risk and the gamma of the last call, and the perceived risk.
+    known: Vec<[f64; 3]>,
+}
+
+impl PerceivedRisks {
+    /// [`subjective_cost`] of this option.
+    pub fn subjective_cost(
+        &mut self,
+        option: usize,
+        prospect: Prospect,
+        risk_weight: f64,
+        Perception { alpha, gamma }: Perception,
+    ) -> f64 {
+        let Prospect { length, risk } = prospect.clamped();
+        if self.known.len() <= option {
+            // NaN differs from every risk
+            self.known.resize(option + 1, [f64::NAN; 3]);
+        }
+        let known = &mut self.known[option];
+        if known[0] != risk || known[1] != gamma {
+            *known = [risk, gamma, perceived_risk(risk, gamma)];
+        }
+        perceived_distance(length, alpha) + risk_weight * known[2]
+    }
+
+    /// [`human_choice`] among these options.
+    pub fn human_choice(
+        &mut self,
+        prospects: &[Prospect],
+        risk_weight: f64,
+        perception: Perception,
+        current: Option<usize>,
+    ) -> usize {
+        let cost = |option: usize| self.subjective_cost(option, prospects[option], risk_weight, perception);
+        cheapest(prospects.len(), current, cost)
+    }
+}
+
 /// The option of least cost among so many: of several, `current`, or else the first. 0 without options.
-pub(super) fn cheapest(options: usize, current: Option<usize>, cost: impl Fn(usize) -> f64) -> usize {
+pub(super) fn cheapest(options: usize, current: Option<usize>, mut cost: impl FnMut(usize) -> f64) -> usize {
     if options == 0 {
         return 0;
     }
@@ -126,6 +168,27 @@ mod tests {
         let unit = Perception { alpha: 1.0, gamma: 1.0 };
         assert!((objective_cost(option, 10.0) - subjective_cost(option, 10.0, unit)).abs() < 1e-13);
         assert!((objective_cost(option, 10.0) - 19.804).abs() < 1e-12);
+    }
+
+    #[test]
+    fn property_perceived_risks_that_are_kept_give_the_same_costs_and_choices() {
+        let mut kept = PerceivedRisks::default();
+        for k in 0..500 {
+            let turn = |every: i32| f64::from(k / every % 7) / 6.0;
+            let perception = Perception { alpha: 0.55 + 0.4 * turn(5), gamma: 0.5 + 0.6 * turn(11) };
+            let length = |o: i32| f64::from((k * (o + 3)) % 37) - 0.5;
+            let risk = |o: i32| if k % 50 == o { f64::NAN } else { turn(17 + o) };
+            let options: Vec<Prospect> = (0..4).map(|o| Prospect::new(length(o), risk(o))).collect();
+            let found = kept.human_choice(&options, 10.0, perception, Some(2));
+            assert_eq!(found, human_choice(&options, 10.0, perception, Some(2)), "{k}");
+            for (o, option) in options.iter().enumerate() {
+                let [found, wanted] = [
+                    kept.subjective_cost(o, *option, 10.0, perception),
+                    subjective_cost(*option, 10.0, perception),
+                ];
+                assert_eq!(found.to_bits(), wanted.to_bits(), "{k}, {option:?}");
+            }
+        }
     }
 
     #[test]

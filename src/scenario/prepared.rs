@@ -7,6 +7,7 @@ use crate::error::{Error, Place};
 use crate::human::{Human, Participant};
 use crate::options::OptionSet;
 use crate::policy::RobotPolicy;
+use crate::preference::PredictionMemory;
 use crate::robot::{Robot, RobotWarning, SlowDrive, WeakestJoint};
 use crate::team;
 use crate::world::World;
@@ -22,6 +23,8 @@ pub struct PreparedScenario {
     robot: Option<Arc<Robot>>,
     /// Told if the robot is slower than the walking speed that was asked for.
     slow_drive: Option<SlowDrive>,
+    /// Shared with the scenarios that are prepared from this one.
+    predictions: Option<Arc<PredictionMemory>>,
 }
 
 /// A world with the options and obstacles built from it and c_r.
@@ -127,6 +130,7 @@ impl Scenario {
             self.settings.speed = slow.walked;
         }
         let width = joints.map_or(0.0, |(robot, joints)| robot.carrying_width(&joints));
+        let predictions = other.and_then(|other| other.predictions.clone());
         let scene = match other.filter(|other| self.has_scene_of(other, width)) {
             Some(other) => Arc::clone(&other.scene),
             None => {
@@ -140,7 +144,7 @@ impl Scenario {
                 Arc::new(Scene { world, options, obstacles, as_written: OnceLock::new() })
             }
         };
-        let prepared = PreparedScenario { scenario: self, scene, robot, slow_drive };
+        let prepared = PreparedScenario { scenario: self, scene, robot, slow_drive, predictions };
         prepared.check_lead_option()?;
         prepared.check_payload()?;
         prepared.human()?;
@@ -161,6 +165,13 @@ impl PreparedScenario {
     /// The scenario. Its walking speed is the team's: that of the robot where that is slower.
     pub fn scenario(&self) -> &Scenario {
         &self.scenario
+    }
+
+    /// The same scenario, whose episodes keep their robot's predictions in `memory`, and so do those of the
+    /// scenarios that are prepared from it: see [`EpisodeBuilder::with_predictions`].
+    #[must_use]
+    pub fn keeping_predictions(self, memory: Arc<PredictionMemory>) -> Self {
+        Self { predictions: Some(memory), ..self }
     }
 
     /// Another scenario, prepared. It shares an equal world with its options, and an equal robot, with this
@@ -311,8 +322,11 @@ impl PreparedScenario {
     /// The human model is not valid.
     pub fn builder(&self) -> Result<EpisodeBuilder<'_>, Error> {
         let Self { scenario, scene, .. } = self;
-        let builder = Episode::builder(&scene.options, &scenario.settings, scenario.human)
+        let mut builder = Episode::builder(&scene.options, &scenario.settings, scenario.human)
             .with_boxed_human(self.human()?);
+        if let Some(memory) = &self.predictions {
+            builder = builder.with_predictions(memory);
+        }
         Ok(match (self.manipulator(), scenario.plant.physics()) {
             (None, _) => builder,
             (Some(manipulator), None) => builder.with_robot(manipulator),

@@ -46,7 +46,7 @@ use cell::Cell;
 use cocarry::arithmetic;
 use cocarry::episode::{Episode, EpisodeSettings};
 use cocarry::error::Place;
-use cocarry::preference::{Predictor, RISK_WEIGHT};
+use cocarry::preference::{PredictionMemory, Predictor, RISK_WEIGHT};
 use cocarry::quantities::Heading;
 use cocarry::robot::SlowDrive;
 use cocarry::scenario::{Plant, PlantKind, PreparedScenario, RobotSetup, SETTINGS, Scenario};
@@ -59,6 +59,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZeroU64;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// The columns of results, in order.
 pub fn columns() -> Vec<Heading> {
@@ -309,6 +310,7 @@ impl Study {
     /// Prepares a scenario for every world, c_r and robot, and checks every cell on it.
     fn prepare(&mut self) -> Result<(), SweepError> {
         let mut known: BTreeMap<(usize, u64, Option<usize>), usize> = BTreeMap::new();
+        let memory = Arc::new(PredictionMemory::default());
         for i in 0..self.cells.len() {
             let cell = &self.cells[i];
             let robot = (cell.plant != PlantKind::Point).then_some(cell.robot);
@@ -337,7 +339,7 @@ impl Study {
             }
             let at = *known.entry(key).or_insert(self.prepared.len());
             if at == self.prepared.len() {
-                self.prepared.push(made);
+                self.prepared.push(made.keeping_predictions(Arc::clone(&memory)));
             }
             self.prepared_of.push(at);
         }
