@@ -2,6 +2,8 @@
 //! clarabel, pose optimisation against 15 x options such programs (same winner?), and a full control tick
 //! against its budget.
 
+mod rows;
+
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, ZeroConeT};
 use cocarry::control::{
@@ -15,25 +17,77 @@ use cocarry::options::OptionSet;
 use cocarry::policy::Method;
 use cocarry::robot::{Configuration, InputJacobian, InputVector, JointVector, Kinematics, Robot};
 use cocarry_studies::paper::{ENVIRONMENTS, EXAMPLE_HUMAN};
-use criterion::{Criterion, criterion_group};
+use criterion::Criterion;
 use nalgebra::Vector6;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rayon::prelude::*;
+use rows::{Against, Bench, Declared};
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 const PERIOD: f64 = 0.2;
 /// States on which the winner is compared.
-const STATES: u64 = 10_000;
+const STATES: u64 = 500;
 /// States on which the times are compared.
 const TIMED: u64 = 200;
-/// Budgets of a control tick.
-const FREE_BUDGET: Duration = Duration::from_micros(250);
-const LIMITED_BUDGET: Duration = Duration::from_millis(1);
+/// Budgets of a control tick, us.
+const FREE_BUDGET_US: f64 = 250.0;
+const LIMITED_BUDGET_US: f64 = 1000.0;
 /// Share of the joints' speed at which limits are active in most ticks.
 const SLOW: f64 = 0.15;
+
+const ROWS: &[Declared] = &[
+    Declared {
+        name: "eq. (7) in closed form",
+        unit: "us",
+        cases: &["mpc/closed form"],
+        against: &[Against::Peer("one sparse program in clarabel", &["mpc/naive"])],
+    },
+    Declared {
+        name: "eq. (7) with active limits",
+        unit: "us",
+        cases: &["mpc/with active limits"],
+        against: &[Against::Peer("that program", &["mpc/naive"])],
+    },
+    Declared {
+        name: "eq. (8), 15 candidates x 4 options, random states",
+        unit: "us",
+        cases: &["pose/exact"],
+        against: &[Against::Peer("such a program for each of the 60", &["pose/naive"])],
+    },
+    Declared {
+        name: "states of 500 in which those programs choose otherwise",
+        unit: "",
+        cases: &["pose/other winners"],
+        against: &[],
+    },
+    Declared {
+        name: "control tick, the human leads, median",
+        unit: "us",
+        cases: &TICKS[0],
+        against: &[Against::Budget(FREE_BUDGET_US)],
+    },
+    Declared {
+        name: "the same, joints at 15 % of their speed",
+        unit: "us",
+        cases: &TICKS[1],
+        against: &[Against::Budget(LIMITED_BUDGET_US)],
+    },
+    Declared {
+        name: "99th percentile of these ticks",
+        unit: "us",
+        cases: &SLOWEST,
+        against: &[Against::Budget(LIMITED_BUDGET_US)],
+    },
+    Declared { name: "share of these ticks with active limits", unit: "%", cases: &LIMITED, against: &[] },
+];
+/// Medians of ticks with the joints as they are, and with slow ones, in the four environments.
+const TICKS: [[&str; 4]; 2] =
+    [["ticks/1", "ticks/2", "ticks/3", "ticks/4"], ["slow/1", "slow/2", "slow/3", "slow/4"]];
+const SLOWEST: [&str; 4] = ["slowest/1", "slowest/2", "slowest/3", "slowest/4"];
+const LIMITED: [&str; 4] = ["limited/1", "limited/2", "limited/3", "limited/4"];
 
 /// An arm anywhere inside its limits, and four ways that it may be led at walking speed.
 struct BenchState {
@@ -171,7 +225,7 @@ fn mpc(c: &mut Criterion) {
     let mut limits = Limits::new(&robot);
     limits.set(&robot, &state.q, &InputVector::zeros(), PERIOD);
     let mut group = c.benchmark_group("mpc");
-    group.bench_function("closed form, factors and solution", |bench| {
+    group.bench_function("closed form", |bench| {
         bench.iter(|| {
             let reference = ModalReference::new(&state.references[0]);
             black_box(ClosedForm::new(&b, 1000.0, 1.0).inputs(&reference))
@@ -183,35 +237,48 @@ fn mpc(c: &mut Criterion) {
         bench.iter(|| black_box(solver.solve(&free, &limits, &hurried)));
     });
     let candidate = Candidate::at_rest(&state.q, &state.at);
-    group.bench_function("naive, with active limits", |bench| {
+    group.bench_function("naive", |bench| {
         bench.iter(|| black_box(naive_mpc(&robot, &b, &candidate, &hurried)));
     });
     group.finish();
 }
 
-fn report_pose() {
+/// Times of eq. (8), each on the next of some random states.
+fn pose(c: &mut Criterion) {
     let robot = Robot::built_in().expect("the built-in robot");
     let settings = ControlSettings::default();
     let (mut poses, mut solver, mut limits) = (PoseOptimiser::default(), Mpc::default(), Limits::new(&robot));
-    let (mut ours, mut theirs, mut programs) = (Duration::ZERO, Duration::ZERO, 0);
-    for seed in 0..TIMED {
-        let state = random_state(&robot, seed);
-        let begun = Instant::now();
-        black_box(poses.choose(&problem(&robot, &state), &settings, &mut limits, &mut solver));
-        ours += begun.elapsed();
-        let begun = Instant::now();
-        programs += 4 * black_box(naive_totals(&robot, &state, poses.candidates())).len();
-        theirs += begun.elapsed();
-    }
-    let per_state = |time: Duration| time.as_secs_f64() * 1e3 / TIMED as f64;
-    println!("\npose optimisation, {TIMED} random states, one thread");
-    println!("  exact, pruned:                     {:8.3} ms a state", per_state(ours));
-    println!(
-        "  naive, {:.0} programs in clarabel:    {:8.3} ms a state, {:.0} times as long",
-        programs as f64 / TIMED as f64,
-        per_state(theirs),
-        theirs.as_secs_f64() / ours.as_secs_f64()
-    );
+    let states: Vec<BenchState> = (0..TIMED).map(|seed| random_state(&robot, seed)).collect();
+    let mut group = c.benchmark_group("pose");
+    let mut next = states.iter().cycle();
+    group.bench_function("exact", |bench| {
+        bench.iter(|| {
+            let state = next.next().expect("a state");
+            black_box(poses.choose(&problem(&robot, state), &settings, &mut limits, &mut solver));
+        });
+    });
+    let candidates: Vec<Vec<Candidate>> = states
+        .iter()
+        .map(|state| {
+            poses.choose(&problem(&robot, state), &settings, &mut limits, &mut solver);
+            poses.candidates().to_vec()
+        })
+        .collect();
+    let mut next = states.iter().zip(&candidates).cycle();
+    group.sample_size(20).measurement_time(Duration::from_secs(4));
+    group.bench_function("naive", |bench| {
+        bench.iter(|| {
+            let (state, candidates) = next.next().expect("a state");
+            black_box(naive_totals(&robot, state, candidates))
+        });
+    });
+    group.finish();
+}
+
+/// In how many states the programs have another winner.
+fn other_winners() -> usize {
+    let robot = Robot::built_in().expect("the built-in robot");
+    let settings = ControlSettings::default();
     let differences: Vec<f64> = (0..STATES)
         .into_par_iter()
         .filter_map(|seed| {
@@ -227,14 +294,15 @@ fn report_pose() {
         .collect();
     let worst = differences.iter().copied().fold(0.0, f64::max);
     println!(
-        "  same winner in {} of {STATES} states; in the others the two winners' costs differ by at most {worst:.1e} of themselves",
-        STATES as usize - differences.len()
+        "other winners in {} of {STATES} states; the two winners' costs differ by at most {worst:.1e} of themselves",
+        differences.len()
     );
+    differences.len()
 }
 
-/// Times of all ticks of episodes led by a human, and how many of these had a limit active; the arm's rate
+/// Times of all ticks of episodes led by a human, us, and how many of these had a limit active; the arm's rate
 /// limits are `share` of what they are.
-fn tick_times(environment: usize, share: f64) -> (Vec<Duration>, usize) {
+fn tick_times(environment: usize, share: f64) -> (Vec<f64>, usize) {
     let mut robot = Robot::built_in().expect("the built-in robot");
     for joint in &mut robot.joints {
         joint.rate_limit *= share;
@@ -263,39 +331,35 @@ fn tick_times(environment: usize, share: f64) -> (Vec<Duration>, usize) {
             let robot = episode.tick().robot.expect("a robot");
             let in_pose = robot.preparation.is_some_and(|p| p.constrained > 0);
             limited += usize::from(in_pose || robot.outcome != SolveOutcome::Unconstrained);
-            times.push(took);
+            times.push(took.as_secs_f64() * 1e6);
         }
     }
-    times.sort_unstable();
+    times.sort_unstable_by(f64::total_cmp);
     (times, limited)
 }
 
-fn report_ticks() {
-    println!(
-        "\nfull control tick while the human leads: planning, 15 x 4 pose optimisation, MPC, obstacles; all ticks"
-    );
-    for (share, budget) in [(1.0, FREE_BUDGET), (SLOW, LIMITED_BUDGET)] {
-        for (environment, world) in ENVIRONMENTS.iter().enumerate() {
+/// All ticks of episodes: planning, 15 x 4 pose optimisation, MPC, obstacles.
+fn ticks(bench: &mut Bench) {
+    for (medians, share) in TICKS.iter().zip([1.0, SLOW]) {
+        for environment in 0..ENVIRONMENTS.len() {
             let (times, limited) = tick_times(environment, share);
-            let median = times[times.len() / 2];
-            println!(
-                "  Environment {}, joints at {:3.0} % of their speed, limits active in {:3.0} % of ticks: median {:6.1} us, {:4.2} of the budget; 99th percentile {:6.1} us",
-                world.number,
-                100.0 * share,
-                100.0 * limited as f64 / times.len() as f64,
-                median.as_secs_f64() * 1e6,
-                median.as_secs_f64() / budget.as_secs_f64(),
-                times[times.len() * 99 / 100].as_secs_f64() * 1e6,
-            );
+            bench.give(medians[environment], times[times.len() / 2]);
+            if share < 1.0 {
+                bench.give(SLOWEST[environment], times[times.len() * 99 / 100]);
+                bench.give(LIMITED[environment], 100.0 * limited as f64 / times.len() as f64);
+            }
         }
     }
 }
 
-criterion_group!(benches, mpc);
-
 fn main() {
-    benches();
-    Criterion::default().configure_from_args().final_summary();
-    report_ticks();
-    report_pose();
+    rows::run("control", ROWS, |criterion, bench| {
+        mpc(criterion);
+        pose(criterion);
+        // what is not one function is measured with all others alone
+        if bench.is_whole() {
+            ticks(bench);
+            bench.give("pose/other winners", other_winners() as f64);
+        }
+    });
 }

@@ -7,11 +7,13 @@
 The scene is that of `cocarry export environment-4 --mjcf`, whose motors and grips are those of the plant. Time is that of `mj_step` alone, in the median over
 200 periods; `deflection` is the most by which a grip gives way, that of the gripper's vertical spring at rest included.
 Errors are the most by which the object is off where it is with a very short step of the same engine, so that each engine is judged at the step it needs.
-`--compare` takes the fastest of some rounds of both.
+`--compare` takes the fastest of some rounds of both, and keeps its rows in `benches/results.json`, from which the book's table is made.
 """
 
 import argparse
+import datetime
 import json
+import os
 import subprocess
 import tempfile
 import time
@@ -114,6 +116,40 @@ def told(period: float, rate: float, error: float) -> str:
     return f"{rate:4.0f} Hz: {period * 1e6:7.1f} us a period, {period / PERIOD / rate * 1e6:5.2f} us a step, {PERIOD / period:4.0f} times real time; error {error * 1e3:6.3f} mm"
 
 
+def digits(value: float) -> float:
+    return float(f"{value:.2e}")
+
+
+def row(name: str, unit: str, value: float, peers: dict[str, float]) -> dict:
+    """A row of `benches/rows/file.rs`, with the ratios of peers to its value."""
+    against = [
+        {"kind": "peer", "name": peer, "value": [digits(theirs)] * 2, "ratio": [digits(theirs / value)] * 2} for peer, theirs in peers.items()
+    ]
+    return {"bench": "mujoco_peer.py", "name": name, "unit": unit, "value": [digits(value)] * 2, "against": against, "measured": provenance()}
+
+
+def provenance() -> dict:
+    def git(*arguments: str) -> str:
+        return subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True).stdout.strip()
+
+    changes = git("status", "--porcelain", "--", ".", ":!benches/results.json", ":!book")
+    return {
+        "version": tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]["package"]["version"],
+        "commit": git("rev-parse", "--short=8", "HEAD") + ("+" if changes else ""),
+        "date": datetime.datetime.now(datetime.UTC).date().isoformat(),
+        "cores": len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count(),
+    }
+
+
+def keep(rows: list[dict]) -> None:
+    """Puts rows in place of the former ones of this script."""
+    file = ROOT / "benches/results.json"
+    kept = json.loads(file.read_text())["rows"] if file.exists() else []
+    rows = [other for other in kept if other["bench"] != "mujoco_peer.py"] + rows
+    rows.sort(key=lambda row: row["bench"])
+    file.write_text(json.dumps({"rows": rows}, indent=2, ensure_ascii=False) + "\n")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description="The scene of benches/physics.rs in MuJoCo")
     parser.add_argument("--compare", action="store_true", help="and the plant of this repository, in turns")
@@ -141,6 +177,15 @@ def main() -> None:
         print(" ", told(period, key, error))
     usual = PERIOD / theirs[500][0]
     print(f"whole episodes, control included, at {rate:.0f} Hz: {whole:.0f} times real time, {whole / usual:.2f} times MuJoCo's physics alone at 2 ms")
+    period, error = plant[rate]
+    name = f"MuJoCo {mujoco.__version__}"
+    off = {f"{name}, {other} Hz": theirs[other][1] * 1e3 for other in (500, 1000, 2000)}
+    keep([
+        row(f"physics of a control period, {rate:.0f} Hz", "us", period * 1e6, {f"{name} at its usual 500 Hz": theirs[500][0] * 1e6}),
+        row("a step of it", "us", period / PERIOD / rate * 1e6, {f"one of {name}": theirs[500][0] / PERIOD / 500 * 1e6}),
+        row(f"how far off the object is, {rate:.0f} Hz", "mm", error * 1e3, off),
+        row(f"a simulated second of a whole episode, {rate:.0f} Hz", "us", 1e6 / whole, {f"{name}'s physics alone, 500 Hz": 1e6 / usual}),
+    ])
 
 
 if __name__ == "__main__":

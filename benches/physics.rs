@@ -1,23 +1,50 @@
-//! The physical plant against budgets: a control period of 0.2 s, and whole episodes; what other steps and
-//! solver iterations would save of these, and spoil. `--peer` prints figures for `benches/mujoco_peer.py`,
-//! which has the same scene in MuJoCo.
+//! The physical plant against a budget and the time that is simulated: a control period of 0.2 s, and a whole
+//! episode. `--steps` prints what other steps and solver iterations would save of these, and spoil; `--peer`
+//! figures for `benches/mujoco_peer.py`, which has the same scene in MuJoCo.
+
+mod rows;
 
 use cocarry::control;
 use cocarry::episode::Summary;
 use cocarry::geometry::{PlanarPose, Point};
 use cocarry::math;
 use cocarry::robot::{InputVector, Robot};
-use cocarry::scenario::{Plant, RobotSetup, Scenario};
+use cocarry::scenario::{Plant, PreparedScenario, RobotSetup, Scenario};
 use cocarry::simulation::{HumanCommand, PhysicalPlant, PhysicsSettings};
 use cocarry::world::World;
 use cocarry_studies::paper;
-use criterion::{BatchSize, Criterion, criterion_group};
+use criterion::{BatchSize, Criterion};
+use rows::{Against, Bench, Declared};
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
+const ROWS: &[Declared] = &[
+    Declared {
+        name: "physics of a control period",
+        unit: "us",
+        cases: &["physics_tick/Environment 4"],
+        against: &[
+            Against::Budget(BUDGET_US),
+            Against::Peer("the time that is simulated", &["simulated/period"]),
+        ],
+    },
+    Declared {
+        name: "what is seen after it",
+        unit: "us",
+        cases: &["physics_tick/what is seen"],
+        against: &[Against::Peer("the physics", &["physics_tick/Environment 4"])],
+    },
+    Declared {
+        name: "whole episode with bodies, control included",
+        unit: "us",
+        cases: &["physics_episode/Environment 4"],
+        against: &[Against::Peer("the time that is simulated", &["simulated/episode"])],
+    },
+];
+
 const PERIOD: f64 = 0.2;
-/// Budget for a tick.
-const BUDGET: Duration = Duration::from_micros(1500);
+/// Budget for a tick, us.
+const BUDGET_US: f64 = 1500.0;
 const TICKS: usize = 200;
 const EPISODES: usize = 5;
 /// Physics steps per second and solver iterations: twelve iterations at all rates, then others at the plant's.
@@ -110,8 +137,8 @@ struct Run {
     object: Vec<Point>,
 }
 
-/// The paper's example human in Environment 4; the fastest of some runs.
-fn episode(rate_hz: f64, solver_iterations: usize) -> Run {
+/// The paper's example human in Environment 4.
+fn prepared(rate_hz: f64, solver_iterations: usize) -> PreparedScenario {
     let robot = Robot::built_in().expect("the built-in robot");
     let posture = robot.postures[0].name.clone();
     let carrier = RobotSetup { posture, control: control::ControlSettings::default(), robot: robot.into() };
@@ -125,22 +152,28 @@ fn episode(rate_hz: f64, solver_iterations: usize) -> Run {
         settings: Default::default(),
         plant: Plant::Rapier { setup: carrier, physics },
     };
-    let prepared = scenario.prepare().expect("a scenario");
-    let run = || {
-        let mut episode = prepared.episode().expect("room at the start");
-        let mut object = Vec::new();
-        let begun = Instant::now();
-        while episode.step().is_none() {
-            let physics = episode.tick().robot.as_ref().and_then(|robot| robot.physics.as_ref());
-            object.extend(physics.map(|physics| physics.object.position));
-        }
-        let summary = episode.summary().clone();
-        Run { took: begun.elapsed(), seconds: summary.steps as f64 * PERIOD, summary, object }
-    };
-    (0..EPISODES).map(|_| run()).min_by_key(|run| run.took).expect("an episode")
+    scenario.prepare().expect("a scenario")
 }
 
-fn physics(c: &mut Criterion) {
+fn run(prepared: &PreparedScenario) -> Run {
+    let mut episode = prepared.episode().expect("room at the start");
+    let mut object = Vec::new();
+    let begun = Instant::now();
+    while episode.step().is_none() {
+        let physics = episode.tick().robot.as_ref().and_then(|robot| robot.physics.as_ref());
+        object.extend(physics.map(|physics| physics.object.position));
+    }
+    let summary = episode.summary().clone();
+    Run { took: begun.elapsed(), seconds: summary.steps as f64 * PERIOD, summary, object }
+}
+
+/// The fastest of some episodes.
+fn episode(rate_hz: f64, solver_iterations: usize) -> Run {
+    let prepared = prepared(rate_hz, solver_iterations);
+    (0..EPISODES).map(|_| run(&prepared)).min_by_key(|run| run.took).expect("an episode")
+}
+
+fn physics(c: &mut Criterion, bench: &mut Bench) {
     let default = PhysicsSettings::default();
     let (robot, mut start) = plant(default.rate_hz, default.solver_iterations);
     for tick in 0..20 {
@@ -157,21 +190,28 @@ fn physics(c: &mut Criterion) {
     });
     group.bench_function("what is seen", |b| b.iter(|| black_box(start.observe())));
     group.finish();
+    bench.give("simulated/period", PERIOD * 1e6);
+    let prepared = prepared(default.rate_hz, default.solver_iterations);
+    let mut group = c.benchmark_group("physics_episode");
+    group.sample_size(20).measurement_time(Duration::from_secs(4));
+    group.bench_function("Environment 4", |b| {
+        b.iter_custom(|iterations| (0..iterations).map(|_| black_box(run(&prepared)).took).sum());
+    });
+    group.finish();
+    bench.give("simulated/episode", run(&prepared).seconds * 1e6);
 }
 
-fn report() {
-    println!(
-        "\nphysics of a control period of {PERIOD} s in Environment 4, median of {TICKS} (budget {BUDGET:?})"
-    );
+/// What other steps and solver iterations would save, and spoil.
+fn report_steps() {
+    println!("\nphysics of a control period of {PERIOD} s in Environment 4, median of {TICKS}");
     for (rate_hz, solver_iterations) in CHOICES {
         let tick = tick(rate_hz, solver_iterations);
         println!(
-            "  {rate_hz:4} Hz, {solver_iterations:2} solver iterations: {:7.1} us, {:5.2} us a step, {:6.0} steps a second, {:4.0} times real time, {:4.2} of the budget",
+            "  {rate_hz:4} Hz, {solver_iterations:2} solver iterations: {:7.1} us, {:5.2} us a step, {:6.0} steps a second, {:4.0} times real time",
             tick.as_secs_f64() * 1e6,
             tick.as_secs_f64() / (PERIOD * rate_hz) * 1e6,
             PERIOD * rate_hz / tick.as_secs_f64(),
             PERIOD / tick.as_secs_f64(),
-            tick.as_secs_f64() / BUDGET.as_secs_f64(),
         );
     }
     println!(
@@ -199,13 +239,13 @@ fn report() {
     }
 }
 
-criterion_group!(benches, physics);
-
 fn main() {
-    if std::env::args().any(|argument| argument == "--peer") {
+    let has = |argument: &str| std::env::args().any(|other| other == argument);
+    if has("--peer") {
         return peer();
     }
-    benches();
-    Criterion::default().configure_from_args().final_summary();
-    report();
+    if has("--steps") {
+        return report_steps();
+    }
+    rows::run("physics", ROWS, physics);
 }

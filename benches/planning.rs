@@ -1,19 +1,62 @@
 //! One planning tick (all options, P_o, expected costs, eq. 6) against a budget of 20 us and against planning
-//! anew in every tick; and the options of worlds of 100 to 3,000 obstacles.
+//! anew in every tick; and the options of worlds of 100 and 1,000 obstacles.
+
+mod rows;
 
 use cocarry::episode::{Episode, EpisodeSettings};
 use cocarry::options::OptionSet;
 use cocarry::world::World;
 use cocarry_studies::paper::{ENVIRONMENTS, EXAMPLE_HUMAN};
-use criterion::{BatchSize, Criterion, criterion_group};
+use criterion::{BatchSize, Criterion};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
+use rows::{Against, Bench, Declared};
 use std::hint::black_box;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-/// Budget for a tick with four options.
-const BUDGET: Duration = Duration::from_micros(20);
+const ROWS: &[Declared] = &[
+    Declared {
+        name: "planning tick, 4 options",
+        unit: "us",
+        cases: &[
+            "planning_tick/Environment 1",
+            "planning_tick/Environment 2",
+            "planning_tick/Environment 3",
+            "planning_tick/Environment 4",
+        ],
+        against: &[
+            Against::Budget(20.0),
+            Against::Peer(
+                "the same after a new path search",
+                &[
+                    "searched_anew/Environment 1",
+                    "searched_anew/Environment 2",
+                    "searched_anew/Environment 3",
+                    "searched_anew/Environment 4",
+                ],
+            ),
+        ],
+    },
+    Declared {
+        name: "planning tick, free-form world, 8 options",
+        unit: "us",
+        cases: &["planning_tick/Free-form workshop"],
+        against: &[Against::Peer("the same after a new path search", &["searched_anew/Free-form workshop"])],
+    },
+    Declared {
+        name: "options of a world of 1,000 obstacles",
+        unit: "us",
+        cases: &["clutter/1000"],
+        against: &[],
+    },
+    Declared {
+        name: "exponent of the obstacles' number, 100 to 1,000",
+        unit: "",
+        cases: &["clutter/exponent"],
+        against: &[],
+    },
+];
 /// The step at which ticks are measured: the robot leads, and no two options are equal yet.
 const STEP: usize = 10;
 
@@ -40,56 +83,21 @@ fn at_step<'a>(set: &'a OptionSet, settings: &'a EpisodeSettings) -> Episode<'a>
 
 fn planning(c: &mut Criterion) {
     let settings = EpisodeSettings::default();
-    let mut group = c.benchmark_group("planning_tick");
     for (world, set) in &worlds() {
         let episode = at_step(set, &settings);
-        let name = format!("{}, {} options", world.name, set.options().len());
-        group.bench_function(name, |b| {
+        c.benchmark_group("planning_tick").bench_function(&world.name, |b| {
             b.iter_batched_ref(|| episode.clone(), |e| black_box(e.step()), BatchSize::SmallInput);
         });
-    }
-    group.bench_function("Environment 4, searched anew", |b| {
-        let (world, _) = &worlds()[3];
-        b.iter(|| black_box(OptionSet::new(world, 10.0).expect("options")));
-    });
-    group.finish();
-}
-
-/// Median time of one call, each on a fresh copy.
-fn median<T>(mut make: impl FnMut() -> T, mut call: impl FnMut(&mut T)) -> Duration {
-    let mut times: Vec<Duration> = (0..4000)
-        .map(|_| {
-            let mut subject = make();
-            let begun = Instant::now();
-            call(&mut subject);
-            begun.elapsed()
-        })
-        .collect();
-    times.sort_unstable();
-    times[times.len() / 2]
-}
-
-fn report() {
-    let settings = EpisodeSettings::default();
-    println!("\nplanning tick, median (budget {BUDGET:?} for 4 options)");
-    let worlds = worlds();
-    for (world, set) in &worlds {
-        let episode = at_step(set, &settings);
-        let tick = median(
-            || episode.clone(),
-            |e| {
-                black_box(e.step());
-            },
-        );
-        let anew = median(|| (), |()| drop(black_box(OptionSet::new(world, 10.0)))) + tick;
-        println!(
-            "  {:20} {:2} options: {:6.2} us, {:4.2} of the budget; planning anew takes {:4.0} times as long",
-            world.name,
-            set.options().len(),
-            tick.as_secs_f64() * 1e6,
-            tick.as_secs_f64() / BUDGET.as_secs_f64(),
-            anew.as_secs_f64() / tick.as_secs_f64(),
-        );
+        c.benchmark_group("searched_anew").bench_function(&world.name, |b| {
+            b.iter_batched_ref(
+                || episode.clone(),
+                |e| {
+                    drop(black_box(OptionSet::new(world, 10.0)));
+                    black_box(e.step())
+                },
+                BatchSize::SmallInput,
+            );
+        });
     }
 }
 
@@ -123,31 +131,29 @@ fn clutter(count: usize) -> World {
 }
 
 /// Time from the text of a world to its options, and how it grows.
-fn report_clutter() {
-    println!("\noptions of worlds of many obstacles");
-    let mut before: Option<(f64, f64)> = None;
-    for count in [100, 300, 1000, 3000] {
+fn crowded(bench: &mut Bench) {
+    let time = |count: usize| {
         let begun = Instant::now();
         let world = clutter(count);
         let set = OptionSet::new(&world, 10.0).expect("options");
         let time = begun.elapsed().as_secs_f64();
-        let growth = before.map_or(String::new(), |(n, t)| {
-            format!(", n^{:.1}", cocarry::math::ln(time / t) / cocarry::math::ln(count as f64 / n))
-        });
         println!(
-            "  {count:5} obstacles, {:5} openings, {} options: {time:6.2} s{growth}",
+            "{count:5} obstacles, {:5} openings, {} options: {time:6.3} s",
             world.openings.len(),
-            set.options().len(),
+            set.options().len()
         );
-        before = Some((count as f64, time));
-    }
+        time
+    };
+    let [few, many] = [100, 1000].map(time);
+    bench.give("clutter/1000", many * 1e6);
+    bench.give("clutter/exponent", cocarry::math::ln(many / few) / cocarry::math::ln(10.0));
 }
 
-criterion_group!(benches, planning);
-
 fn main() {
-    benches();
-    Criterion::default().configure_from_args().final_summary();
-    report();
-    report_clutter();
+    rows::run("planning", ROWS, |criterion, bench| {
+        planning(criterion);
+        if bench.is_whole() {
+            crowded(bench);
+        }
+    });
 }

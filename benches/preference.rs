@@ -1,18 +1,61 @@
 //! Choice probabilities and expected costs of typical and of many options, against a plain grid over the two
 //! parameters.
 
+mod rows;
+
 use cocarry::math;
 use std::hint::black_box;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use cocarry::preference::{Belief, ChoiceDistribution, Posterior, Predictor, Prospect, Ways, human_choice};
-use criterion::{BenchmarkId, Criterion, criterion_group};
+use criterion::{BenchmarkId, Criterion};
+use rows::{Against, Bench, Declared};
 
 const RISK_WEIGHT: f64 = 10.0;
 
 /// Points per parameter from which on the error of the grid for the options below stays under 1e-6: of the
 /// sizes tried (1500 to 9000 by 500, then 10000, 12000 and 16000) 5500 is the last to miss it, by 1.2e-6.
 const GRID: usize = 6000;
+
+const ROWS: &[Declared] = &[
+    Declared {
+        name: "P_o of 4 options",
+        unit: "us",
+        cases: &["predict/environment_4"],
+        against: &[Against::Peer("a plain grid of 6000 x 6000 midpoints", &["grid/environment_4/6000"])],
+    },
+    Declared { name: "nodes in gamma for it", unit: "", cases: &["nodes/4"], against: &[] },
+    Declared {
+        name: "that grid's distance from P_o",
+        unit: "",
+        cases: &["grid/distance"],
+        against: &[Against::Budget(1e-6)],
+    },
+    Declared {
+        name: "P_o of 64 options on a trade-off",
+        unit: "us",
+        cases: &["predict/trade_off/64"],
+        against: &[],
+    },
+    Declared {
+        name: "a node of it, per n log2 n for n options",
+        unit: "ns",
+        cases: &["node/64"],
+        against: &[Against::Peer("4 options", &["node/4"])],
+    },
+    Declared {
+        name: "J~_o of 4 options",
+        unit: "us",
+        cases: &["expected_costs/environment_4"],
+        against: &[Against::Peer("P_o of these", &["predict/environment_4"])],
+    },
+    Declared {
+        name: "a tick of a robot that learned from 100 sightings",
+        unit: "us",
+        cases: &["learn/tick/a human of the model", "learn/tick/chance"],
+        against: &[Against::Budget(50.0)],
+    },
+];
 
 /// Near Environment 4 at its start: lengths in metres, risks from the widths of the openings (0.5 m robot),
 /// so that all four can win.
@@ -63,7 +106,7 @@ fn predictor() -> Predictor {
     Predictor::new(Belief::default(), RISK_WEIGHT).expect("valid parameters")
 }
 
-fn probabilities(criterion: &mut Criterion) {
+fn probabilities(criterion: &mut Criterion, bench: &mut Bench) {
     let (mut predictor, mut choice) = (predictor(), ChoiceDistribution::default());
     let options = environment_4();
     criterion.bench_function("predict/environment_4", |b| {
@@ -75,6 +118,13 @@ fn probabilities(criterion: &mut Criterion) {
         b.iter(|| grid(black_box(&options), GRID))
     });
     slow.finish();
+    if bench.time("predict/environment_4").is_some() {
+        predictor.predict(&options, &mut choice);
+        bench.give("nodes/4", predictor.nodes_evaluated() as f64);
+        let found = grid(&options, GRID);
+        let distances = found.iter().zip(choice.probabilities()).map(|(g, p)| (g - p).abs());
+        bench.give("grid/distance", distances.fold(0.0, f64::max));
+    }
     let mut many = criterion.benchmark_group("predict/trade_off");
     for count in [4, 8, 16, 32, 64] {
         let options = trade_off(count);
@@ -83,6 +133,14 @@ fn probabilities(criterion: &mut Criterion) {
         });
     }
     many.finish();
+    for count in [4, 64] {
+        if let Some(time) = bench.time(&format!("predict/trade_off/{count}")) {
+            predictor.predict(&trade_off(count), &mut choice);
+            let (nodes, n) = (predictor.nodes_evaluated() as f64, count as f64);
+            let per_node = time * 1e3 / nodes / (n * math::ln(n) / std::f64::consts::LN_2);
+            bench.give(&format!("node/{count}"), per_node);
+        }
+    }
 }
 
 fn costs(criterion: &mut Criterion) {
@@ -146,59 +204,10 @@ fn learning(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Least time of one call over several rounds, seconds.
-fn seconds(calls: u32, mut call: impl FnMut()) -> f64 {
-    let round = |call: &mut dyn FnMut()| {
-        let start = Instant::now();
-        (0..calls).for_each(|_| call());
-        start.elapsed().as_secs_f64() / f64::from(calls)
-    };
-    (0..5).map(|_| round(&mut call)).fold(f64::INFINITY, f64::min)
-}
-
-/// What the groups above amount to, as ratios.
-fn ratios() {
-    let (mut predictor, mut choice) = (predictor(), ChoiceDistribution::default());
-    let options = environment_4();
-    predictor.predict(&options, &mut choice);
-    println!("\nGrid of n x n midpoints, Environment 4:");
-    let mut fast = 0.0;
-    for points in [1000, 2000, 4000, GRID] {
-        let found = grid(&options, points);
-        let error = found.iter().zip(choice.probabilities()).map(|(g, p)| (g - p).abs()).fold(0.0, f64::max);
-        fast = seconds(2000, || predictor.predict(black_box(&options), &mut choice));
-        let start = Instant::now();
-        black_box(grid(black_box(&options), points));
-        let slow = start.elapsed().as_secs_f64();
-        println!(
-            "  n = {points:5}  largest error {error:8.1e}  {:9.2} ms  {:8.0} x predict",
-            slow * 1e3,
-            slow / fast
-        );
-    }
-    println!("  predict: {:.2} us, {} nodes", fast * 1e6, predictor.nodes_evaluated());
-    println!("Options on a trade-off, time per node of gamma against n log2 n:");
-    for count in [4, 8, 16, 32, 64] {
-        let options = trade_off(count);
-        let time = seconds(200, || predictor.predict(black_box(&options), &mut choice));
-        let nodes = predictor.nodes_evaluated() as f64;
-        let n = count as f64;
-        println!(
-            "  n = {count:2}  {:8.2} us  {nodes:4} nodes  {:6.1} ns per node  {:5.2} ns / (n log2 n)",
-            time * 1e6,
-            time * 1e9 / nodes,
-            time * 1e9 / nodes / (n * math::ln(n) / std::f64::consts::LN_2),
-        );
-    }
-}
-
-criterion_group!(benches, probabilities, costs, learning);
-
 fn main() {
-    benches();
-    Criterion::default().configure_from_args().final_summary();
-    // `cargo test --benches` only checks that the benches run.
-    if std::env::args().any(|argument| argument == "--bench") {
-        ratios();
-    }
+    rows::run("preference", ROWS, |criterion, bench| {
+        probabilities(criterion, bench);
+        costs(criterion);
+        learning(criterion);
+    });
 }

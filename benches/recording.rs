@@ -1,22 +1,38 @@
 //! An episode on the physical plant with a recording and without: what recording costs of it, against a
 //! budget of 15 %, and how large the file is.
 
+mod rows;
+
 use cocarry::control;
 use cocarry::robot::Robot;
 use cocarry::scenario::{Plant, PreparedScenario, RobotSetup, Scenario};
 use cocarry::simulation::PhysicsSettings;
 use cocarry_recording::recording::{Ending, FileRecorder};
 use cocarry_studies::paper;
-use criterion::{Criterion, criterion_group};
-use std::hint::black_box;
+use rows::{Against, Declared};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// The most that recording may cost of an episode's time.
-const BUDGET: f64 = 0.15;
-/// The largest that the recording of 36 s may be, B.
-const MAX_SIZE: f64 = 3.0 * 1024.0 * 1024.0;
-const EPISODES: usize = 15;
+const ROWS: &[Declared] = &[
+    Declared {
+        name: "what recording adds to an episode's time",
+        unit: "%",
+        cases: &["added/1", "added/3", "added/4"],
+        against: &[Against::Budget(15.0)],
+    },
+    Declared {
+        name: "what it adds to a tick",
+        unit: "us",
+        cases: &["added to a tick/1", "added to a tick/3", "added to a tick/4"],
+        against: &[],
+    },
+    Declared {
+        name: "size of a recording of 36 s",
+        unit: "MiB",
+        cases: &["size/1", "size/3", "size/4"],
+        against: &[Against::Budget(3.0)],
+    },
+];
 
 fn prepared(environment: usize) -> PreparedScenario {
     let robot = Robot::built_in().expect("the built-in robot");
@@ -53,53 +69,30 @@ fn episode(prepared: &PreparedScenario, file: Option<&Path>) -> (u64, Duration) 
     (episode.summary().steps, begun.elapsed())
 }
 
-fn recording(c: &mut Criterion) {
-    let prepared = prepared(3);
-    let folder = tempfile::tempdir().expect("a folder");
-    let file = folder.path().join("bench.mcap");
-    let mut group = c.benchmark_group("episode_in_environment_4");
-    group.sample_size(10);
-    group.bench_function("not recorded", |b| b.iter(|| black_box(episode(&prepared, None))));
-    group.bench_function("recorded", |b| b.iter(|| black_box(episode(&prepared, Some(&file)))));
-    group.finish();
-}
-
-fn report() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let file = folder.path().join("bench.mcap");
-    println!(
-        "\nepisodes on the physical plant, recorded and not in turn, fastest of {EPISODES} (budget {BUDGET})"
-    );
-    for environment in [0, 2, 3] {
-        let prepared = prepared(environment);
-        let (mut plain, mut recorded, mut steps) = (Duration::MAX, Duration::MAX, 0);
-        for _ in 0..EPISODES {
-            plain = plain.min(episode(&prepared, None).1);
-            let (taken, time) = episode(&prepared, Some(&file));
-            (steps, recorded) = (taken, recorded.min(time));
-        }
-        let seconds = steps as f64 * prepared.scenario().settings.planning_step;
-        let size = std::fs::metadata(&file).expect("the file").len() as f64;
-        let share = recorded.as_secs_f64() / plain.as_secs_f64() - 1.0;
-        println!(
-            "  Environment {}: {seconds:.1} s in {:.0} ms, recorded {:.0} ms: {:.1} % more, {:.2} of the budget; {:.0} kB, which makes {:.2} MiB \
-             for 36 s, {:.2} of what is allowed",
-            environment + 1,
-            1e3 * plain.as_secs_f64(),
-            1e3 * recorded.as_secs_f64(),
-            100.0 * share,
-            share / BUDGET,
-            size / 1e3,
-            size / seconds * 36.0 / (1024.0 * 1024.0),
-            size / seconds * 36.0 / MAX_SIZE,
-        );
-    }
-}
-
-criterion_group!(benches, recording);
-
 fn main() {
-    benches();
-    Criterion::default().configure_from_args().final_summary();
-    report();
+    rows::run("recording", ROWS, |criterion, bench| {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("bench.mcap");
+        for environment in [1, 3, 4] {
+            let prepared = prepared(environment - 1);
+            let plain = format!("episode/Environment {environment}");
+            let mut steps = 0;
+            let ratio = bench.in_turns(
+                criterion,
+                (&plain, &format!("recorded/Environment {environment}")),
+                || episode(&prepared, None).1,
+                || {
+                    let (taken, time) = episode(&prepared, Some(&file));
+                    steps = taken;
+                    time
+                },
+            );
+            let (Some(ratio), Some(time)) = (ratio, bench.time(&plain)) else { continue };
+            let seconds = steps as f64 * prepared.scenario().settings.planning_step;
+            let size = std::fs::metadata(&file).expect("the file").len() as f64;
+            bench.give(&format!("added/{environment}"), 100.0 * (ratio - 1.0));
+            bench.give(&format!("added to a tick/{environment}"), (ratio - 1.0) * time / steps as f64);
+            bench.give(&format!("size/{environment}"), size / seconds * 36.0 / (1024.0 * 1024.0));
+        }
+    });
 }

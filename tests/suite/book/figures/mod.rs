@@ -1,5 +1,5 @@
 //! The figures of README and book that depend on many episodes. They are generated from the tables of one run
-//! of `reproduce all`, which are kept in `book/figures`.
+//! of `reproduce all`, which are kept in `book/figures`; the table of benches is from `benches/results.json`.
 //!
 //! A page has the name of a figure in a comment before it, and a comment behind it: `<!-- = cycles.changed
 //! -->579<!-- / -->`. [`fill`] puts the figure between the two. A figure may be a number, a sentence or the
@@ -9,6 +9,7 @@
 //! program's short report has others, the kept tables are of an earlier program: `book/renew --check` says so
 //! in the gate, and `book/renew` measures them again.
 
+mod benches;
 mod bodies;
 mod bounds;
 mod coverage;
@@ -36,6 +37,7 @@ fn all() -> impl Iterator<Item = &'static Figure> {
         .chain(learning::FIGURES)
         .chain(coverage::FIGURES)
         .chain(bounds::FIGURES)
+        .chain(benches::FIGURES)
 }
 
 /// A page with its figures, and their names.
