@@ -63,6 +63,21 @@ pub(super) struct Articulation {
     omnidirectional: Option<f64>,
 }
 
+/// What the motors are given for a step, the joints' stops included.
+pub(super) struct Given {
+    drive: MultibodyJointHandle,
+    base: [BaseMotor; 3],
+    motors: Vec<(Motor, JointAxesMask)>,
+}
+
+impl Given {
+    /// Gives the same to another world in the same state.
+    pub fn give(&self, world: &mut PhysicsWorld) -> Option<()> {
+        self.base.iter().try_for_each(|motor| motor.set(world, self.drive))?;
+        self.motors.iter().try_for_each(|(motor, stop)| motor.apply(world, *stop))
+    }
+}
+
 /// The measured state of a robot.
 pub(super) struct Measured {
     pub configuration: Configuration,
@@ -222,20 +237,26 @@ impl Articulation {
         rests
     }
 
-    /// Whether the step that has been made, after which the world is `after`, has to be made again from `before`:
-    /// a motor exceeded its limit in it. Sets the motors for that.
-    pub fn limit(&mut self, before: &mut PhysicsWorld, after: &PhysicsWorld) -> Option<bool> {
+    /// Whether the step that has been made, after which the world is `after`, has to be made again: a motor
+    /// exceeded its limit in it.
+    pub fn exceeds(&mut self, after: &PhysicsWorld) -> Option<bool> {
         let geared = self.geared(after);
         let mut is_again = false;
         for motor in self.motors.iter_mut().filter(|m| m.is_own) {
             is_again |= motor.limit(motor.state(after)?, geared[motor.joint]);
         }
-        if is_again {
-            for motor in &self.motors {
-                motor.set(before)?;
-            }
-        }
         Some(is_again)
+    }
+
+    /// Sets the motors for a step that has to be made again from `before`.
+    pub fn limit(&self, before: &mut PhysicsWorld) -> Option<()> {
+        self.motors.iter().try_for_each(|motor| motor.set(before))
+    }
+
+    /// What the motors were given for the step that this world is about to make.
+    pub fn given(&self, world: &PhysicsWorld) -> Option<Given> {
+        let motors = self.motors.iter().map(|motor| Some((*motor, motor.stop(world)?)));
+        Some(Given { drive: self.drive, base: self.base_motors, motors: motors.collect::<Option<_>>()? })
     }
 
     /// The load of every motor by the gears of mimicking joints in the last step, Nm or N.

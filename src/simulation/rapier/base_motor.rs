@@ -50,7 +50,7 @@ impl BaseMotor {
         wanted: f64,
         dt: f64,
     ) -> Option<()> {
-        let (body, id) = world.multibody_joints.get_mut(handle)?;
+        let (body, id) = world.multibody_joints.get(handle)?;
         let link = body.link(id)?;
         let position = link.joint().coords()[self.coordinate];
         let rate = *body.joint_velocity(link).get(self.dof)?;
@@ -59,7 +59,13 @@ impl BaseMotor {
         let target = self.limited(wanted, rate, load, dt);
         let rest = position + target * (dt + DAMPING / STIFFNESS);
         (self.rest, self.rate) = (Some(rest), rate);
-        body.link_mut(id)?.joint.set_spring(self.coordinate, STIFFNESS, rest);
+        self.set(world, handle)
+    }
+
+    /// Gives the spring to rapier.
+    pub fn set(&self, world: &mut PhysicsWorld, handle: MultibodyJointHandle) -> Option<()> {
+        let (body, id) = world.multibody_joints.get_mut(handle)?;
+        body.link_mut(id)?.joint.set_spring(self.coordinate, STIFFNESS, self.rest?);
         Some(())
     }
 

@@ -18,6 +18,7 @@ mod motor;
 mod noise;
 mod observation;
 mod parts;
+mod past;
 mod ramp;
 pub(crate) mod sample;
 mod scene;
@@ -42,6 +43,7 @@ use crate::world::World;
 use human::SensedObject;
 use nalgebra::{Rotation3, Vector3};
 use noise::Coefficients;
+use past::{Past, SPACING, StepGiven};
 use rapier3d::prelude::{PhysicsPipeline, PhysicsWorld, RigidBodyHandle};
 use scene::Scene;
 
@@ -114,7 +116,19 @@ impl PhysicalPlant {
         rates: &InputVector,
         human: &HumanCommand,
         period: f64,
+        observer: Option<&mut dyn FnMut(&PhysicsStep)>,
+    ) -> Observation {
+        self.advance_copying(rates, human, period, observer, Past::new(SPACING))
+    }
+
+    /// As [`PhysicalPlant::advance_observed`], with the world's past kept as told.
+    fn advance_copying(
+        &mut self,
+        rates: &InputVector,
+        human: &HumanCommand,
+        period: f64,
         mut observer: Option<&mut dyn FnMut(&PhysicsStep)>,
+        mut past: Past,
     ) -> Observation {
         let goal = match human {
             HumanCommand::Walk { hand } => [hand.position.x, hand.position.y, hand.yaw],
@@ -138,7 +152,7 @@ impl PhysicalPlant {
         self.human.begin(human, steps as f64 * dt);
         let noise = Coefficients::new(dt);
         for _ in 0..steps {
-            if self.substep(dt, &noise, &mut observer).is_none() {
+            if self.substep(dt, &noise, &mut past, &mut observer).is_none() {
                 break;
             }
         }
@@ -199,19 +213,24 @@ impl PhysicalPlant {
         &mut self,
         dt: f64,
         noise: &Coefficients,
+        past: &mut Past,
         observer: &mut Option<&mut dyn FnMut(&PhysicsStep)>,
     ) -> Option<()> {
         let sensed = self.sensed_object()?;
         self.human.step(&sensed, dt);
         let hand = self.human.hand(self.height);
         let torso = self.human.torso(TORSO_AHEAD, TORSO_HEIGHT / 2.0);
-        for (handle, pose) in [(self.hand_body, hand), (self.torso_body, torso)] {
+        let mut poses = [(self.hand_body, hand), (self.torso_body, torso)].map(|(handle, pose)| {
             let body = self.world.bodies.get_mut(handle)?;
-            body.set_next_kinematic_position(convert::to_rapier_from(body.position(), &pose));
-        }
+            let pose = convert::to_rapier_from(body.position(), &pose);
+            body.set_next_kinematic_position(pose);
+            Some((handle, pose))
+        });
+        let poses = [poses[0].take()?, poses[1].take()?];
         let base_rates = self.robot.drive(&mut self.world, dt)?;
+        past.keep(&self.world, || Some(StepGiven { poses, motors: self.robot.given(&self.world)? }))?;
         let [gripper, hand] = [self.gripper.axes(&self.world)?, self.hand.axes(&self.world)?];
-        self.step_within_limits()?;
+        self.step_within_limits(past)?;
         self.steps += 1;
         self.robot.roll(&self.world, dt);
         self.accumulator.add_efforts(&self.robot.effort_shares(&self.world), dt);
@@ -248,18 +267,23 @@ impl PhysicalPlant {
 
     /// Steps the world such that the arm's motors keep their limits: where one exceeds its own, the step is
     /// made again with this effort. `None` if the result is not sound.
-    fn step_within_limits(&mut self) -> Option<()> {
-        let mut before = copy_of(&self.world);
+    fn step_within_limits(&mut self, past: &mut Past) -> Option<()> {
         self.world.step();
         self.check()?;
-        let iterations = before.integration_parameters.num_internal_pgs_iterations;
-        // a joint at its limit gives way, and forces take longer to settle
-        before.integration_parameters.num_internal_pgs_iterations = LIMITED_ITERATIONS * iterations;
+        let iterations = self.world.integration_parameters.num_internal_pgs_iterations;
+        let mut before = None;
         for _ in 0..LIMIT_ROUNDS {
-            if !self.robot.limit(&mut before, &self.world)? {
+            if !self.robot.exceeds(&self.world)? {
                 break;
             }
-            let mut again = copy_of(&before);
+            if before.is_none() {
+                before = past.before_step();
+            }
+            let before = before.as_mut()?;
+            // a joint at its limit gives way, and forces take longer to settle
+            before.integration_parameters.num_internal_pgs_iterations = LIMITED_ITERATIONS * iterations;
+            self.robot.limit(before)?;
+            let mut again = copy_of(before);
             // its workspaces are as large as they have to be
             std::mem::swap(&mut again.physics_pipeline, &mut self.world.physics_pipeline);
             self.world = again;
@@ -373,6 +397,48 @@ mod tests {
         let Some(Failure::NonFinite { body }) = seen.failure else { panic!("{:?}", seen.failure) };
         assert_eq!(body, "beam");
         assert_eq!(plant.step(&InputVector::zeros(), &HumanCommand::Follow, 0.2).time, seen.time);
+    }
+
+    /// A robot with weak motors, which are at their limits in some steps of a period, or in all, or in none.
+    #[test]
+    fn a_copy_of_the_world_some_steps_ago_is_as_good_as_one_of_every_step() {
+        let text = "name = \"w\"\nrobot_width_m = 0.5\nstart_m = [0, 0]\ntarget_m = [9, 0]\n";
+        let world = World::parse("w.toml", text).unwrap();
+        let mut robot = Robot::built_in().unwrap();
+        for i in 0..robot.joint_count() {
+            robot.joints[i].effort_limit *= 0.6;
+            let name = robot.joints[i].name.clone();
+            let mut joints = robot.links.iter_mut().filter_map(|link| link.joint.as_mut());
+            joints.find(|joint| joint.name == name).expect("its joint").limits.effort *= 0.6;
+        }
+        let team = PlanarPose { position: world.start, yaw: 0.3 };
+        let settings = PhysicsSettings::default();
+        let start =
+            PhysicalPlant::new(&world, &robot, &robot.postures[0].joints, &team, &settings, 1).unwrap();
+        let run = |spacing| {
+            let mut plant = start.clone();
+            let period = |tick: u32| {
+                let phase = 0.2 * f64::from(tick);
+                let mut rates = InputVector::zeros();
+                (rates[0], rates[1]) = (0.5 * math::sin(phase), 0.4 * math::sin(phase));
+                for i in 0..robot.joint_count() {
+                    rates[2 + i] = 0.4 * math::cos(2.0 * phase + i as f64);
+                }
+                plant.begin();
+                let past = Past::new(spacing);
+                let seen = plant.advance_copying(&rates, &HumanCommand::Follow, 0.2, None, past);
+                let numbers = seen.object.translation.vector.iter().chain(&seen.joint_efforts);
+                (numbers.map(|x| x.to_bits()).collect::<Vec<_>>(), seen.time_at_limit.max())
+            };
+            (0..40).map(period).collect::<Vec<_>>()
+        };
+        let every = run(1);
+        let limited = |range: std::ops::Range<f64>| every.iter().filter(|(_, s)| range.contains(s)).count();
+        let counts = [limited(0.0..0.005), limited(0.005..0.195), limited(0.195..1.0)];
+        assert!(counts.iter().all(|count| *count > 2), "{counts:?}");
+        for spacing in [SPACING, 7, 100] {
+            assert!(run(spacing) == every, "{spacing}");
+        }
     }
 
     #[test]

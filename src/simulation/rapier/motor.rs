@@ -132,11 +132,18 @@ impl Motor {
         self.apply(world, JointAxesMask::empty())
     }
 
-    fn apply(&self, world: &mut PhysicsWorld, stop: JointAxesMask) -> Option<()> {
+    /// Gives spring, damper and stop to rapier.
+    pub fn apply(&self, world: &mut PhysicsWorld, stop: JointAxesMask) -> Option<()> {
         self.set(world)?;
         let (body, id) = world.multibody_joints.get_mut(self.handle)?;
         body.link_mut(id)?.joint.data.limit_axes = stop;
         Some(())
+    }
+
+    /// The stop that the joint has in a world.
+    pub fn stop(&self, world: &PhysicsWorld) -> Option<JointAxesMask> {
+        let (body, id) = world.multibody_joints.get(self.handle)?;
+        Some(body.link(id)?.joint().data.limit_axes)
     }
 
     /// Gives spring and damper, or the constant effort in their place, to rapier.
