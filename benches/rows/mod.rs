@@ -25,6 +25,7 @@ pub struct Declared {
 }
 
 /// What a row is compared with.
+#[allow(dead_code, reason = "some benches have budgets alone, or peers")]
 pub enum Against {
     /// A limit in the row's unit.
     Budget(f64),
