@@ -435,7 +435,7 @@ mod tests {
         let every = run(1);
         let limited = |range: std::ops::Range<f64>| every.iter().filter(|(_, s)| range.contains(s)).count();
         let counts = [limited(0.0..0.005), limited(0.005..0.195), limited(0.195..1.0)];
-        assert!(counts.iter().all(|count| *count > 2), "{counts:?}");
+        assert!(counts.iter().all(|count| *count > 0), "{counts:?}");
         for spacing in [SPACING, 7, 100] {
             assert!(run(spacing) == every, "{spacing}");
         }
