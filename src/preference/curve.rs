@@ -21,28 +21,17 @@ pub(super) struct Curve {
     pub log_surprise: f64,
 }
 
-/// The logarithms of a risk.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Surprise {
-    risk: f64,
-    surprise: f64,
-    log_surprise: f64,
-}
-
-impl Surprise {
-    pub fn of(risk: f64) -> Self {
-        let surprise = -math::ln(risk);
-        Self { risk, surprise, log_surprise: math::ln(surprise) }
-    }
-}
-
 impl Curve {
     pub fn new(option: usize, prospect: Prospect) -> Self {
-        Self::with(option, prospect.length, Surprise::of(prospect.risk))
-    }
-
-    fn with(option: usize, length: f64, Surprise { risk, surprise, log_surprise }: Surprise) -> Self {
-        Self { option, length, log_length: math::ln(length), risk, surprise, log_surprise }
+        let surprise = -math::ln(prospect.risk);
+        Self {
+            option,
+            length: prospect.length,
+            log_length: math::ln(prospect.length),
+            risk: prospect.risk,
+            surprise,
+            log_surprise: math::ln(surprise),
+        }
     }
 
     /// `D^alpha`.
@@ -64,14 +53,8 @@ impl Curve {
 /// Fills `front` with the choices that no other one dominates, shortest first.
 ///
 /// Both perceptions are monotone, so an option that is neither shorter nor safer than another never wins,
-/// whatever `alpha` and `gamma` are. In the result lengths strictly rise and risks strictly fall. `known` keeps
-/// the logarithms of the options' risks from call to call, which change at openings only.
-pub(super) fn pareto_front(
-    ties: &Ties,
-    risk_matters: bool,
-    known: &mut Vec<Option<Surprise>>,
-    front: &mut Vec<Curve>,
-) {
+/// whatever `alpha` and `gamma` are. In the result lengths strictly rise and risks strictly fall.
+pub(super) fn pareto_front(ties: &Ties, risk_matters: bool, front: &mut Vec<Curve>) {
     front.clear();
     let mut lowest = f64::INFINITY;
     front.extend(ties.leaders().filter_map(|(option, prospect)| {
@@ -80,15 +63,7 @@ pub(super) fn pareto_front(
         let stays = first || (prospect.risk < lowest && risk_matters && prospect.length.is_finite());
         stays.then(|| {
             lowest = prospect.risk;
-            if known.len() <= option {
-                known.resize(option + 1, None);
-            }
-            let surprise = match known[option] {
-                Some(surprise) if surprise.risk == prospect.risk => surprise,
-                _ => Surprise::of(prospect.risk),
-            };
-            known[option] = Some(surprise);
-            Curve::with(option, prospect.length, surprise)
+            Curve::new(option, prospect)
         })
     }));
 }
@@ -215,9 +190,9 @@ impl Pair {
     /// cross in between.
     ///
     /// Solves `alpha ln D_long + ln(1 - exp(-alpha ratio)) = ln risk_gap`, which is nearly linear and concave
-    /// in `alpha`; `target` is that `ln risk_gap`. Halley steps inside a shrinking bracket start from the
-    /// expansion around the last solution.
-    pub fn crossing(&mut self, target: f64, lower: f64, upper: f64) -> f64 {
+    /// in `alpha`. Halley steps inside a shrinking bracket start from the expansion around the last solution.
+    pub fn crossing(&mut self, risk_gap: f64, lower: f64, upper: f64) -> f64 {
+        let target = math::ln(risk_gap);
         if target == f64::NEG_INFINITY {
             return if self.rising { lower } else { upper };
         }

@@ -65,14 +65,6 @@ impl Envelope {
         }
     }
 
-    /// Takes over Prelec's function at `gamma` by option.
-    pub fn set_levels(&mut self, gamma: f64, level: impl Fn(usize) -> Level) {
-        self.gamma = gamma;
-        for (known, curve) in self.levels.iter_mut().zip(&self.curves) {
-            *known = level(curve.option);
-        }
-    }
-
     /// Prelec's function at `gamma` for some curves only.
     pub fn set_gamma_of(&mut self, ranks: &[usize], gamma: f64) {
         self.gamma = gamma;
@@ -94,12 +86,7 @@ impl Envelope {
     /// The `alpha` where a pair crosses at the present `gamma`.
     pub fn crossing(&self, pair: &mut Pair) -> f64 {
         let risk_gap = self.risk_gap(pair);
-        pair.crossing(math::ln(risk_gap), self.lower, self.upper)
-    }
-
-    /// As [`crossing`](Self::crossing), where the logarithm of the pair's risk gap is known.
-    pub fn crossing_of(&self, pair: &mut Pair, log_risk_gap: f64) -> f64 {
-        pair.crossing(log_risk_gap, self.lower, self.upper)
+        pair.crossing(risk_gap, self.lower, self.upper)
     }
 
     /// Cost of the left curve of a pair minus that of the right one at `alpha` and the present `gamma`.
@@ -125,11 +112,6 @@ impl Envelope {
     /// Finds the envelope at `gamma` from scratch and leaves it in `stack`.
     pub fn winners(&mut self, gamma: f64) {
         self.set_gamma(gamma);
-        self.find_winners();
-    }
-
-    /// Finds the envelope at the present `gamma` from scratch and leaves it in `stack`.
-    pub fn find_winners(&mut self) {
         self.stack.clear();
         for rank in 0..self.curves.len() {
             let start = loop {
@@ -151,7 +133,7 @@ impl Envelope {
 }
 
 impl Level {
-    pub fn at(curve: &Curve, gamma: f64, risk_weight: f64) -> Self {
+    fn at(curve: &Curve, gamma: f64, risk_weight: f64) -> Self {
         let exponent = math::exp(gamma * curve.log_surprise);
         Self { exponent, cost: risk_weight * math::exp(-exponent) }
     }

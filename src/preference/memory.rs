@@ -14,7 +14,8 @@ const MAX_PREDICTORS: usize = 8;
 const MAX_VALUES: usize = 1 << 18;
 
 /// P_o and J~_o that predictors have given, for episodes on any number of threads. What is found in it has the
-/// bits that the predictor would give again, so that results do not depend on what it holds. Its size is limited.
+/// bits that the predictor would give again, so that results do not depend on what it holds. Its size is
+/// limited.
 #[derive(Debug, Default)]
 pub struct PredictionMemory {
     predictors: RwLock<Vec<(Predictor, Arc<Predictions>)>>,

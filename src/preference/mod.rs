@@ -24,7 +24,6 @@ mod choice;
 mod curve;
 mod envelope;
 mod expectation;
-mod known;
 mod limits;
 mod margin;
 mod marginal;

@@ -1,7 +1,7 @@
 //! The probability of every option (eq. 4) and its expected subjective cost (eq. 6), from prospects and a
 //! belief.
 
-use super::curve::{Curve, Surprise, pareto_front};
+use super::curve::{Curve, pareto_front};
 use super::expectation::{Nodes, uniform_perceived_length};
 use super::softmax::{self, Choice, Softmax};
 use super::strips::{Domain, Strips};
@@ -95,7 +95,6 @@ struct Independent {
     /// By option, the risk of the last call and its mean perception. The remaining risk of an option changes
     /// at openings only.
     perceived_risks: Vec<(f64, f64)>,
-    surprises: Vec<Option<Surprise>>,
     front: Vec<Curve>,
     strips: Strips,
     /// With a rationality.
@@ -129,7 +128,6 @@ impl Predictor {
                 alpha_nodes: alpha.normal_shape().map(|_| Nodes::new(alpha)),
                 gamma_nodes: Nodes::new(gamma),
                 perceived_risks: Vec::new(),
-                surprises: Vec::new(),
                 front: Vec::new(),
                 strips: Strips::new(),
                 choices: Vec::new(),
@@ -235,7 +233,7 @@ impl Predictor {
                 }
             }
             (PredictorModel::Independent(model), None) => {
-                pareto_front(&self.ties, risk_matters, &mut model.surprises, &mut model.front);
+                pareto_front(&self.ties, risk_matters, &mut model.front);
                 model.strips.nodes = 0;
                 if let [only] = model.front.as_slice() {
                     self.masses[only.option] = 1.0;

@@ -10,10 +10,8 @@
 use super::Marginal;
 use super::curve::{Curve, Pair, turning_point};
 use super::envelope::Envelope;
-use super::known::{KnownRisks, halves};
 use super::margin::{Margin, Rival};
 use super::rule::{NODES, Rule, Samples};
-use crate::math;
 
 /// Largest estimated error of one end of an interval, as a probability, in an accepted strip.
 const TOLERANCE: f64 = 1e-11;
@@ -101,7 +99,6 @@ enum Verdict {
 #[derive(Debug, Clone)]
 pub(super) struct Strips {
     rule: Rule,
-    known: KnownRisks,
     envelope: Envelope,
     alpha_cuts: Vec<f64>,
     winners: Vec<usize>,
@@ -109,8 +106,6 @@ pub(super) struct Strips {
     /// Neighbours among the winners of the present strip, and of the one before.
     pairs: Vec<Pair>,
     earlier_pairs: Vec<Pair>,
-    /// The logarithms of the pairs' risk gaps at the nodes, and whether they were known from before.
-    log_gaps: Vec<(Samples, bool)>,
     losers: Vec<Loser>,
     /// Ends of the winners' intervals at one node: `pairs.len() + 2` values.
     breakpoints: Vec<f64>,
@@ -130,14 +125,12 @@ impl Strips {
     pub fn new() -> Self {
         Self {
             rule: Rule::new(),
-            known: KnownRisks::default(),
             envelope: Envelope::default(),
             alpha_cuts: Vec::new(),
             winners: Vec::new(),
             todo: Vec::new(),
             pairs: Vec::new(),
             earlier_pairs: Vec::new(),
-            log_gaps: Vec::new(),
             losers: Vec::new(),
             breakpoints: Vec::new(),
             marks: Vec::new(),
@@ -152,7 +145,6 @@ impl Strips {
     pub fn integrate(&mut self, front: &[Curve], risk_weight: f64, domain: &Domain, masses: &mut [f64]) {
         self.cut_alpha(front, &domain.alpha_panels);
         self.envelope.risk_weight = risk_weight;
-        self.known.prepare(front, risk_weight, &domain.gamma_panels);
         if let Some(outline) = &mut self.outline {
             outline.borders.clear();
             outline.extents.clear();
@@ -163,10 +155,9 @@ impl Strips {
             self.envelope.reset(front, lower, upper);
             self.winners.clear();
             self.pairs.clear();
-            let panels = &domain.gamma_panels;
-            let mut right = self.edge_of_panel(panels, panels.len() - 1);
-            for cut in (0..panels.len() - 1).rev() {
-                let left = self.edge_of_panel(panels, cut);
+            let mut right = self.edge(domain.gamma.upper());
+            for &cut in domain.gamma_panels.iter().rev().skip(1) {
+                let left = self.edge(cut);
                 self.todo.push((left, right));
                 right = left;
             }
@@ -198,20 +189,8 @@ impl Strips {
 
     /// The envelope at `gamma`, from scratch.
     fn edge(&mut self, gamma: f64) -> Edge {
-        self.envelope.set_gamma(gamma);
-        self.present_edge()
-    }
-
-    /// The same at an end of a panel.
-    fn edge_of_panel(&mut self, panels: &[f64], cut: usize) -> Edge {
-        self.envelope.set_levels(panels[cut], |option| self.known.at_cut(option, cut));
-        self.present_edge()
-    }
-
-    fn present_edge(&mut self) -> Edge {
         self.nodes += 1;
-        self.envelope.find_winners();
-        let gamma = self.envelope.gamma;
+        self.envelope.winners(gamma);
         let start = self.winners.len();
         self.winners.extend(self.envelope.stack.iter().map(|winner| winner.rank));
         Edge { gamma, start, count: self.winners.len() - start }
@@ -300,25 +279,17 @@ impl Strips {
     /// Integrates a strip whose ends have the same winners. The verdict says where to cut it if the winners
     /// change within it or if the rule is not accurate enough.
     fn smooth_strip(&mut self, left: Edge, right: Edge, domain: &Domain, masses: &mut [f64]) -> Verdict {
-        let (half, middle) = halves([left.gamma, right.gamma]);
+        let half = 0.5 * (right.gamma - left.gamma);
+        let middle = left.gamma + half;
         // In a strip this short a misplaced event may affect a node, but cannot matter.
         let short = 2.0 * half < 50.0 * EVENT_TOLERANCE * (domain.gamma.upper() - domain.gamma.lower());
         self.prepare(left);
-        let panel = self.known.panel([left.gamma, right.gamma], &self.envelope.curves, &self.rule);
-        self.recall_log_gaps(panel);
         for node in 0..NODES {
             let gamma = middle + half * self.rule.nodes[node];
-            match panel {
-                Some(panel) => {
-                    self.envelope.set_levels(gamma, |option| self.known.at_node(option, panel, node));
-                }
-                None => self.envelope.set_gamma(gamma),
-            }
-            if !self.node(node, domain) && !short {
+            if !self.node(node, gamma, domain) && !short {
                 return Verdict::CutAt(gamma);
             }
         }
-        self.keep_log_gaps(panel);
         if !short && let Some(cut) = self.suspected_change(left, right, middle, half) {
             return Verdict::CutAt(cut);
         }
@@ -392,38 +363,17 @@ impl Strips {
         self.breakpoints.resize(edge.count + 1, 0.0);
     }
 
-    /// Sets `log_gaps` to what is known of them.
-    fn recall_log_gaps(&mut self, panel: Option<usize>) {
-        self.log_gaps.clear();
-        let curves = &self.envelope.curves;
-        let known = |pair: &Pair| panel.and_then(|panel| self.known.log_gaps(panel, pair, curves));
-        let pairs = self.pairs.iter();
-        self.log_gaps
-            .extend(pairs.map(|pair| known(pair).map_or(([0.0; NODES], false), |logs| (logs, true))));
-    }
-
-    /// Keeps the `log_gaps` of a whole panel for later calls.
-    fn keep_log_gaps(&mut self, panel: Option<usize>) {
-        let Some(panel) = panel else { return };
-        for (pair, (logs, _)) in self.pairs.iter().zip(&self.log_gaps).filter(|(_, (_, known))| !known) {
-            self.known.keep_log_gaps(panel, pair, &self.envelope.curves, *logs);
-        }
-    }
-
-    /// Evaluates one node of a prepared strip, at the envelope's present `gamma`; false if the assumed winners
-    /// are not the winners there.
-    fn node(&mut self, node: usize, domain: &Domain) -> bool {
+    /// Evaluates one node of a prepared strip; false if the assumed winners are not the winners there.
+    fn node(&mut self, node: usize, gamma: f64, domain: &Domain) -> bool {
         self.nodes += 1;
         let envelope = &mut self.envelope;
-        let density = domain.gamma.density(envelope.gamma);
+        envelope.set_gamma(gamma);
+        let density = domain.gamma.density(gamma);
         let winners = self.pairs.len() + 1;
         self.breakpoints[0] = envelope.lower;
         self.breakpoints[winners] = envelope.upper;
-        for (place, (pair, (logs, is_known))) in self.pairs.iter_mut().zip(&mut self.log_gaps).enumerate() {
-            if !*is_known {
-                logs[node] = math::ln(envelope.risk_gap(pair));
-            }
-            let alpha = envelope.crossing_of(pair, logs[node]);
+        for (place, pair) in self.pairs.iter_mut().enumerate() {
+            let alpha = envelope.crossing(pair);
             self.breakpoints[place + 1] = alpha;
             self.marks[place][node] = density * domain.alpha.cdf(alpha);
             self.alphas[place][node] = alpha;

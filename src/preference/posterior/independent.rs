@@ -1,7 +1,7 @@
 //! The belief for a prior of independent alpha and gamma: the density, and the regions of the options at hand.
 
 use super::plane::Plane;
-use crate::preference::curve::{Curve, Surprise, pareto_front};
+use crate::preference::curve::{Curve, pareto_front};
 use crate::preference::rule::Rule;
 use crate::preference::strips::{Domain, Strips};
 use crate::preference::ties::Ties;
@@ -15,7 +15,6 @@ pub(super) struct Independent {
     pub plane: Plane,
     pub front: Vec<Curve>,
     pub strips: Strips,
-    surprises: Vec<Option<Surprise>>,
     single: Vec<f64>,
     /// The prospects that the front and the outline were found for.
     outlined: Vec<Prospect>,
@@ -36,7 +35,6 @@ impl Independent {
             plane,
             front: Vec::new(),
             strips,
-            surprises: Vec::new(),
             single: Vec::new(),
             outlined: Default::default(),
         }
@@ -50,7 +48,7 @@ impl Independent {
         }
         self.outlined.clear();
         self.outlined.extend_from_slice(prospects);
-        pareto_front(ties, risk_weight > 0.0, &mut self.surprises, &mut self.front);
+        pareto_front(ties, risk_weight > 0.0, &mut self.front);
         if self.front.len() < 2 {
             return false;
         }
