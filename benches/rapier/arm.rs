@@ -1,5 +1,6 @@
-//! A mobile arm of rapier alone: a planar base and seven joints with implicit springs, whose hand holds one end of a
-//! free beam by springs while a kinematic body leads the other. Prints the state after so many steps of 0.01 s.
+//! A mobile arm of rapier alone: a planar base and seven joints with implicit springs, whose hand holds one
+//! end of a free beam by springs while a kinematic body leads the other. Prints the state after so many steps
+//! of 0.01 s.
 //!
 //! It is what `measure` steps with every patch; it needs nothing of this repository.
 

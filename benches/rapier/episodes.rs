@@ -1,5 +1,6 @@
-//! Whole episodes of the physical plant, one a line: where they end and at what cost, to the last bit; `measure` builds
-//! this with one rapier and another. With `--first`, the first alone; with `--time N`, the CPU time of N rounds as well.
+//! Whole episodes of the physical plant, one a line: where they end and at what cost, to the last bit; `measure`
+//! builds this with one rapier and another. With `--first`, the first alone; with `--time N`, the CPU time of N
+//! rounds as well.
 
 use cocarry::control::ControlSettings;
 use cocarry::preference::Perception;

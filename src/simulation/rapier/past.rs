@@ -1,7 +1,7 @@
 //! The world as it was before a step that has to be made again.
 //!
-//! To copy a world takes a sixth of what a step takes, and hardly any step is made again. So a copy is kept of a
-//! world some steps ago, with what the steps since then were given; they are made again on it when it matters.
+//! To copy a world takes a sixth of what a step takes, and hardly any step is made again. So a copy is kept of
+//! a world some steps ago, with what the steps since then were given; they are made again on it when it matters.
 //! A copy goes on with the same bits, so this is the world that a copy in every step would have kept.
 
 use super::articulation::Given;
