@@ -33,7 +33,7 @@ with tempfile.TemporaryDirectory() as name:
 
     native.quantities = quantities
     # what the environments have in common
-    for base in [environments._Env, environments._VectorEnv]:
+    for base in [environments._Resumable, environments._Env, environments._VectorEnv]:
         environments.__all__.append(base.__name__)
         base.__doc__ = f"{base.__doc__}\n\n@public"
     icon = "data:image/svg+xml," + urllib.parse.quote((SITE / "theme/favicon.svg").read_text())
