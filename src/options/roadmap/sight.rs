@@ -24,8 +24,7 @@ const SECTOR_RAD: f64 = TAU / SECTORS as f64;
 /// The largest distance (m) from an obstacle to the end of a gap next to it.
 const AT_OUTLINE_M: f64 = 1e-3;
 
-/// Segments that no clear line crosses. There are none where obstacles are few, or where so few gaps join them
-/// that nearly every view is open.
+/// Segments that no clear line crosses. There are none where obstacles are few.
 pub(super) struct Sight {
     blocks: Vec<[Point; 2]>,
     near: Nearby,
@@ -35,8 +34,7 @@ impl Sight {
     /// The sides of the obstacles, the barriers, and `closed` gaps, which are too narrow. Every gap is
     /// extended into the obstacles next to it, so that no slit is left at its ends.
     pub fn new(space: &Space, closed: &[[Point; 2]]) -> Self {
-        let obstacles = space.obstacles.len();
-        if obstacles <= FEW_OBSTACLES || space.barriers.len() + closed.len() < obstacles {
+        if space.obstacles.len() <= FEW_OBSTACLES {
             return Self::open();
         }
         let gaps = || space.barriers.iter().chain(closed);
@@ -98,7 +96,8 @@ impl Sight {
             });
             for (view, ended) in views.iter_mut().zip(&mut ended) {
                 if view.farthest.is_infinite() && ended.is_all() {
-                    view.farthest = within + LOOKUP_MARGIN_M;
+                    let bound = view.sectors.iter().fold(0.0, |most, bound| bound.max(most));
+                    view.farthest = f64::from(bound).min(within) + LOOKUP_MARGIN_M;
                 }
             }
             let is_done = views.iter().all(|view| view.farthest.is_finite());
@@ -116,9 +115,9 @@ pub(super) struct View {
     /// A bound of the distance (m) from the circle's centre to the far end of any of them; infinite where the
     /// view is open.
     pub farthest: f64,
-    /// Such a bound for the lines that leave where the normal is in each of equal sectors; empty where nothing
-    /// ends a line.
-    sectors: Vec<f64>,
+    /// Such a bound for the lines that leave where the normal is in each of equal sectors, rounded up; empty
+    /// where nothing ends a line.
+    sectors: Vec<f32>,
 }
 
 impl View {
@@ -131,11 +130,11 @@ impl View {
         let [first, last] =
             [((first + NO_GAP_RAD) / SECTOR_RAD).ceil(), ((last - NO_GAP_RAD) / SECTOR_RAD).floor()];
         if first < last && self.sectors.is_empty() {
-            self.sectors = vec![f64::INFINITY; SECTORS];
+            self.sectors = vec![f32::INFINITY; SECTORS];
         }
         for sector in first as usize..last as usize {
             let bound = &mut self.sectors[sector % SECTORS];
-            *bound = bound.min(far);
+            *bound = bound.min((far as f32).next_up());
         }
     }
 
@@ -143,7 +142,7 @@ impl View {
     /// distance (m) from the centre. Not every such line is found.
     pub fn hides(&self, angle: f64, distance: f64) -> bool {
         let sector = (angle.rem_euclid(TAU) / SECTOR_RAD) as usize % SECTORS;
-        self.sectors.get(sector).is_some_and(|bound| distance > bound + LOOKUP_MARGIN_M)
+        self.sectors.get(sector).is_some_and(|bound| distance > f64::from(*bound) + LOOKUP_MARGIN_M)
     }
 
     /// As [`View::hides`], of the line along this vector from a point whose view this is.
