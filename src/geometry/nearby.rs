@@ -3,15 +3,26 @@
 
 use super::{Bounds, Point, cross};
 use rstar::primitives::{GeomWithData, Rectangle};
-use rstar::{AABB, ParentNode, RTree, RTreeNode, RTreeObject};
+use rstar::{AABB, ParentNode, RStarInsertionStrategy, RTree, RTreeNode, RTreeObject, RTreeParams};
 
 type Entry = GeomWithData<Rectangle<[f64; 2]>, usize>;
+
+/// Nodes are larger than usual: the tree is built once, and a query tests a node's children in a row.
+#[derive(Clone, Debug)]
+struct Wide;
+
+impl RTreeParams for Wide {
+    const MIN_SIZE: usize = 6;
+    const MAX_SIZE: usize = 12;
+    const REINSERTION_COUNT: usize = 3;
+    type DefaultInsertionStrategy = RStarInsertionStrategy;
+}
 
 /// Rectangles, numbered from 0, that are found by place. Queries visit them in no particular order and do not
 /// allocate, except for [`Nearby::meeting`].
 #[derive(Clone, Debug)]
 pub struct Nearby {
-    tree: RTree<Entry>,
+    tree: RTree<Entry, Wide>,
 }
 
 impl Nearby {
@@ -20,7 +31,7 @@ impl Nearby {
         let entry = |(i, b): (usize, Bounds)| {
             GeomWithData::new(Rectangle::from_corners([b.min.x, b.min.y], [b.max.x, b.max.y]), i)
         };
-        Self { tree: RTree::bulk_load(rectangles.into_iter().enumerate().map(entry).collect()) }
+        Self { tree: RTree::bulk_load_with_params(rectangles.into_iter().enumerate().map(entry).collect()) }
     }
 
     /// Whether `holds` for the number of any rectangle that meets `bounds`.
@@ -33,11 +44,14 @@ impl Nearby {
     /// It is also asked for some that the segment passes a little farther away.
     pub fn any_along(&self, a: Point, b: Point, margin: f64, mut holds: impl FnMut(usize) -> bool) -> bool {
         let along = b - a;
+        let around = Bounds { min: a.inf(&b), max: a.sup(&b) }.grown(margin);
         let comes_near = |bounds: Bounds| {
-            let near = bounds.grown(margin);
-            let half = near.size() / 2.0;
-            let across = cross(along, near.min + half - a).abs();
-            !near.misses_segment(a, b) && across <= half.x * along.y.abs() + half.y * along.x.abs()
+            if !(bounds.min <= around.max && around.min <= bounds.max) {
+                return false;
+            }
+            let half = bounds.size() / 2.0;
+            let across = cross(along, bounds.min + half - a).abs();
+            across <= (half.x + margin) * along.y.abs() + (half.y + margin) * along.x.abs()
         };
         any(self.tree.root(), &comes_near, &mut holds)
     }
@@ -49,7 +63,22 @@ impl Nearby {
             found.push(i);
             false
         });
-        found.sort_unstable();
+        let words = self.tree.size().div_ceil(64);
+        if found.len() < words {
+            found.sort_unstable();
+            return found;
+        }
+        // of so many, a bit for each is quicker
+        let mut bits = vec![0_u64; words];
+        for i in found.drain(..) {
+            bits[i / 64] |= 1 << (i % 64);
+        }
+        for (word, mut rest) in bits.into_iter().enumerate() {
+            while rest != 0 {
+                found.push(64 * word + rest.trailing_zeros() as usize);
+                rest &= rest - 1;
+            }
+        }
         found
     }
 }

@@ -24,9 +24,11 @@ use components::Components;
 use disc::{Disc, SAME_ANGLE_RAD, turn};
 use petgraph::Direction;
 use petgraph::graph::{DiGraph, EdgeIndex, NodeIndex};
-use petgraph::visit::{EdgeRef, Reversed};
+use petgraph::visit::EdgeRef;
 use reachable::Reachable;
-use std::collections::VecDeque;
+use sight::{Sight, View};
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, VecDeque};
 use std::f64::consts::{PI, TAU};
 use std::sync::OnceLock;
 use straight::Join;
@@ -151,6 +153,10 @@ impl Roadmap {
     /// # Errors
     /// Too many lines to be tried, or too many clear ones.
     pub fn new(space: Space, sites: &[Straight], closed: &[[Point; 2]]) -> Result<Self, String> {
+        Self::in_sight(&Sight::new(&space, closed), space, sites)
+    }
+
+    fn in_sight(sight: &Sight, space: Space, sites: &[Straight]) -> Result<Self, String> {
         let discs = space.discs.clone();
         let mut graph = DiGraph::new();
         let mut rings: Vec<Vec<Stop>> = vec![Vec::new(); 2 * discs.len()];
@@ -165,7 +171,7 @@ impl Roadmap {
             rings[ring].push(Stop { angle, node, kind, open_to_next: false });
             node
         };
-        let reachable = Reachable::new(&space, &discs, sites, closed);
+        let reachable = Reachable::new(sight, &space, &discs, sites);
         if reachable.lines() > MAX_TRIED {
             return Err(format!(
                 "{} lines between their corners to test; the limit is {MAX_TRIED}",
@@ -183,10 +189,11 @@ impl Roadmap {
             let a = site.portal();
             graph.add_edge(nodes[i], goals[i], Way::Join { from: a, join: site.join_at_portal(a) });
             let (others, near_discs) = reachable.reached_from_site(i);
+            let is_hidden = |to: Point| reachable.view_from_site(i).hides_along(to - a);
             let mut blocker = 0;
             for &j in others.iter().filter(|j| **j > i) {
                 let b = sites[j].portal();
-                if space.is_clear(a, b) {
+                if !is_hidden(b) && space.is_clear(a, b) {
                     let length = (b - a).norm();
                     graph.add_edge(nodes[i], nodes[j], Way::Line { from: a, to: b, length });
                     graph.add_edge(nodes[j], nodes[i], Way::Line { from: b, to: a, length });
@@ -194,7 +201,8 @@ impl Roadmap {
             }
             for &j in others.iter().filter(|j| **j != i) {
                 let other = &sites[j];
-                if let Some(join) = other.join_from(a).filter(|join| space.can_join(a, join.to, other)) {
+                let is_open = |join: &Join| !is_hidden(join.to) && space.can_join(a, join.to, other);
+                if let Some(join) = other.join_from(a).filter(is_open) {
                     graph.add_edge(nodes[i], goals[j], Way::Join { from: a, join });
                 }
             }
@@ -203,7 +211,7 @@ impl Roadmap {
             for (ring, is_seen) in rings {
                 if is_seen
                     && let Some((touch, length)) =
-                        tangent_from(&discs[ring / 2], ring, a, &space, &mut blocker)
+                        tangent_from(&discs[ring / 2], ring, a, is_hidden, &space, &mut blocker)
                 {
                     // the reverse path follows the disc in the other direction
                     let arrive = stop(&mut graph, ring, touch, StopKind::Arrive);
@@ -225,13 +233,14 @@ impl Roadmap {
                 }
             }
         }
-        for from in reachable.rings() {
+        for (disc, views, others) in reachable.discs(&discs) {
             check(&graph)?;
-            let others = reachable.reached_from_ring(from, &discs[from / 2]);
-            for (to, [a, b]) in clear_lines(&discs, from, others, &space) {
-                let leave = stop(&mut graph, from, a, StopKind::Leave);
-                let arrive = stop(&mut graph, to, b, StopKind::Arrive);
-                graph.add_edge(leave, arrive, Way::Line { from: a, to: b, length: (b - a).norm() });
+            for (from, view) in [2 * disc, 2 * disc + 1].into_iter().zip(views) {
+                for (to, [a, b]) in clear_lines(&discs, (from, view), &others, &space) {
+                    let leave = stop(&mut graph, from, a, StopKind::Leave);
+                    let arrive = stop(&mut graph, to, b, StopKind::Arrive);
+                    graph.add_edge(leave, arrive, Way::Line { from: a, to: b, length: (b - a).norm() });
+                }
             }
         }
         for (ring, stops) in rings.iter_mut().enumerate() {
@@ -269,11 +278,7 @@ impl Roadmap {
     }
 
     fn shortest(&self, straight: &Straight, goal: NodeIndex, component: usize) -> PathsTo {
-        let mut from_node = vec![f64::INFINITY; self.components.size(component)];
-        let found = petgraph::algo::dijkstra(Reversed(&self.graph), goal, None, |edge| edge.weight().cost());
-        for (n, distance) in found {
-            from_node[self.components.place(n)] = distance;
-        }
+        let from_node = self.costs_to(goal, component);
         let here = Leg { length: 0.0, depth: straight.reach };
         let (onward, legs) = self.onward(goal, &from_node, here);
         let nearest = |&ring: &usize| {
@@ -291,6 +296,30 @@ impl Roadmap {
             .collect();
         rings.sort_by(|a, b| a.1.total_cmp(&b.1));
         PathsTo { from_node, legs, onward, rings }
+    }
+
+    /// The cost (m) of the path to `goal` from every node of its component; infinite where there is none.
+    /// Dijkstra's algorithm.
+    fn costs_to(&self, goal: NodeIndex, component: usize) -> Vec<f64> {
+        let mut costs = vec![f64::INFINITY; self.components.size(component)];
+        costs[self.components.place(goal)] = 0.0;
+        // costs are not negative, so that their bits have their order
+        let mut queue = BinaryHeap::from([(Reverse(0.0_f64.to_bits()), goal)]);
+        while let Some((Reverse(bits), to)) = queue.pop() {
+            let cost = f64::from_bits(bits);
+            if cost > costs[self.components.place(to)] {
+                continue;
+            }
+            for edge in self.graph.edges_directed(to, Direction::Incoming) {
+                let known = &mut costs[self.components.place(edge.source())];
+                let through = cost + edge.weight().cost();
+                if through < *known {
+                    *known = through;
+                    queue.push((Reverse(through.to_bits()), edge.source()));
+                }
+            }
+        }
+        costs
     }
 
     /// The first edge of a shortest path from every node. The result is a breadth-first tree over the edges
@@ -345,26 +374,32 @@ impl Roadmap {
     }
 }
 
-/// The clear lines that leave a ring and touch one of `others`, each with the ring that it leads to and its
+/// The clear lines that leave a ring, with its view, and touch one of `others`, each with the ring that it leads to and its
 /// ends.
 fn clear_lines(
     discs: &[Disc],
-    from: usize,
-    others: Vec<usize>,
+    (from, view): (usize, &View),
+    others: &[usize],
     space: &Space,
 ) -> impl Iterator<Item = (usize, [Point; 2])> {
     let disc = &discs[from / 2];
     let bend = disc.bend(turn(from));
-    let may_lead = |to: &usize| to / 2 != from / 2 && disc.may_lead(turn(from), &discs[to / 2], turn(*to));
+    let is_near = |other: &usize| {
+        let distance = (discs[*other].center - disc.center).norm();
+        *other != from / 2 && distance <= view.farthest + discs[*other].radius
+    };
+    let may_lead = |to: &usize| disc.may_lead(turn(from), &discs[to / 2], turn(*to));
     let mut lines: Vec<(usize, [Point; 2], f64)> = Vec::new();
-    for to in others.into_iter().flat_map(|disc| [2 * disc, 2 * disc + 1]).filter(may_lead) {
+    let others = others.iter().copied().filter(is_near);
+    for to in others.flat_map(|disc| [2 * disc, 2 * disc + 1]).filter(may_lead) {
         let other = &discs[to / 2];
         if let Some([a, b]) = bend.line_to(&other.bend(turn(to)))
             && !disc.is_slack(a)
             && !other.is_slack(b)
         {
             let angle = angle_of(a - disc.center);
-            if disc.is_taut(angle) && other.is_taut(angle_of(b - other.center)) {
+            let is_hidden = view.hides(angle, (b - disc.center).norm());
+            if !is_hidden && disc.is_taut(angle) && other.is_taut(angle_of(b - other.center)) {
                 lines.push((to, [a, b], angle));
             }
         }
@@ -385,11 +420,12 @@ fn tangent_from(
     disc: &Disc,
     ring: usize,
     p: Point,
+    is_hidden: impl Fn(Point) -> bool,
     space: &Space,
     blocker: &mut usize,
 ) -> Option<(Point, f64)> {
     let (touch, length) = disc.bend(turn(ring)).touch_from(p);
-    let taut = !disc.is_slack(touch) && disc.is_taut(angle_of(touch - disc.center));
+    let taut = !disc.is_slack(touch) && !is_hidden(touch) && disc.is_taut(angle_of(touch - disc.center));
     (taut && space.is_clear_trying(blocker, p, touch)).then_some((touch, length))
 }
 

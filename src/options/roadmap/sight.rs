@@ -4,7 +4,7 @@
 use super::space::{LOOKUP_MARGIN_M, Space};
 use crate::geometry::{Bounds, Footprint, Nearby, Point, Vector, angle_of, wrap_angle};
 use crate::math;
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// The radius (m) around a source within which blocks are first looked for.
 const FIRST_RADIUS_M: f64 = 2.0;
@@ -18,11 +18,13 @@ const FEW_OBSTACLES: usize = 50;
 const MIN_RADIUS_M: f64 = 1e-6;
 /// The angle (rad) between two blocks below which no line passes between them: their ends lie in obstacles.
 const NO_GAP_RAD: f64 = 1e-9;
+/// The number of sectors of normals for which bounds are kept, and their angle.
+const SECTORS: usize = u128::BITS as usize;
+const SECTOR_RAD: f64 = TAU / SECTORS as f64;
 /// The largest distance (m) from an obstacle to the end of a gap next to it.
 const AT_OUTLINE_M: f64 = 1e-3;
 
-/// Segments that no clear line crosses. There are none where obstacles are few, or where so few gaps join them
-/// that nearly every view is open.
+/// Segments that no clear line crosses. There are none where obstacles are few.
 pub(super) struct Sight {
     blocks: Vec<[Point; 2]>,
     near: Nearby,
@@ -32,9 +34,8 @@ impl Sight {
     /// The sides of the obstacles, the barriers, and `closed` gaps, which are too narrow. Every gap is
     /// extended into the obstacles next to it, so that no slit is left at its ends.
     pub fn new(space: &Space, closed: &[[Point; 2]]) -> Self {
-        let obstacles = space.obstacles.len();
-        if obstacles <= FEW_OBSTACLES || space.barriers.len() + closed.len() < obstacles {
-            return Self { blocks: Vec::new(), near: Nearby::new([]) };
+        if space.obstacles.len() <= FEW_OBSTACLES {
+            return Self::open();
         }
         let gaps = || space.barriers.iter().chain(closed);
         let mut blocks: Vec<[Point; 2]> = space.obstacles.iter().flat_map(|(o, _)| sides(o)).collect();
@@ -54,17 +55,25 @@ impl Sight {
         Self { blocks, near }
     }
 
-    /// A bound of the distance (m) from `center` to the far end of any clear line that leaves the circle of
-    /// this radius (m) in the direction of travel around it: counter-clockwise where `turn` is 1 and
-    /// clockwise where it is -1. Infinite where the view is open.
+    /// Sight without a block.
+    pub fn open() -> Self {
+        Self { blocks: Vec::new(), near: Nearby::new([]) }
+    }
+
+    /// How far the clear lines lead that leave the circle of this radius (m) around `center`, in each of these
+    /// directions of travel around it: counter-clockwise where the turn is 1 and clockwise where it is -1.
     ///
     /// Such a line leaves the circle where the normal has some angle. Every point that is not inside the
     /// circle is on exactly one of these lines. A block ends the lines of all angles between those of its
-    /// ends, because the angle changes continuously along it.
-    pub fn limit(&self, center: Point, radius: f64, turn: f64) -> f64 {
-        let radius = radius.max(MIN_RADIUS_M);
+    /// ends, because the angle changes continuously along it. A point is a circle without radius, whose lines
+    /// lead to the left of the normal where the turn is 1.
+    pub fn views<const N: usize>(&self, center: Point, radius: f64, turns: [f64; N]) -> [View; N] {
+        let mut views = [(); N].map(|()| View::open());
+        if self.blocks.is_empty() {
+            return views;
+        }
         let (mut before, mut within) = (0.0, radius + FIRST_RADIUS_M);
-        let (mut ended, mut ended_angle) = (Vec::new(), 0.0);
+        let mut ended = [(); N].map(|()| EndedLines::default());
         loop {
             let mut count = 0;
             self.near.any_meeting(Bounds { min: center, max: center }.grown(within), |i| {
@@ -72,23 +81,97 @@ impl Sight {
                 let [a, b] = self.blocks[i].map(|p| p - center);
                 let far = a.norm().max(b.norm());
                 if before < far && far <= within {
-                    outside(a, b, radius).into_iter().flatten().for_each(|[a, b]| {
-                        let [first, last] = angles(a, b, radius, turn);
-                        ended_angle += last - first;
-                        ended.push([first, last]);
-                        ended.push([first - TAU, last - TAU]);
-                    });
+                    for part in outside(a, b, radius.max(MIN_RADIUS_M)).into_iter().flatten() {
+                        let ends = part.map(|p| (angle_of(p), math::acos((radius / p.norm()).min(1.0))));
+                        for ((view, ended), turn) in views.iter_mut().zip(&mut ended).zip(turns) {
+                            if view.farthest.is_infinite() {
+                                let angles = angles(ends, turn);
+                                view.end(angles, far);
+                                ended.add(angles);
+                            }
+                        }
+                    }
                 }
                 false
             });
-            if ended_angle > TAU - 1.0 && is_whole_turn(&mut ended) {
-                return within + LOOKUP_MARGIN_M;
+            for (view, ended) in views.iter_mut().zip(&mut ended) {
+                if view.farthest.is_infinite() && ended.is_all() {
+                    let bound = view.sectors.iter().fold(0.0, |most, bound| bound.max(most));
+                    view.farthest = f64::from(bound).min(within) + LOOKUP_MARGIN_M;
+                }
             }
-            if count >= MAX_BLOCKS || count == self.blocks.len() {
-                return f64::INFINITY;
+            let is_done = views.iter().all(|view| view.farthest.is_finite());
+            if is_done || count >= MAX_BLOCKS || count == self.blocks.len() {
+                return views;
             }
             (before, within) = (within, within * RADIUS_GROWTH);
         }
+    }
+}
+
+/// How far the clear lines lead that leave a circle in one direction of travel around it.
+#[derive(Clone, Debug)]
+pub(super) struct View {
+    /// A bound of the distance (m) from the circle's centre to the far end of any of them; infinite where the
+    /// view is open.
+    pub farthest: f64,
+    /// Such a bound for the lines that leave where the normal is in each of equal sectors, rounded up; empty
+    /// where nothing ends a line.
+    sectors: Vec<f32>,
+}
+
+impl View {
+    fn open() -> Self {
+        Self { farthest: f64::INFINITY, sectors: Vec::new() }
+    }
+
+    /// That a block, no part of which is farther (m), ends the lines between two angles as of [`angles`].
+    fn end(&mut self, [first, last]: [f64; 2], far: f64) {
+        let [first, last] =
+            [((first + NO_GAP_RAD) / SECTOR_RAD).ceil(), ((last - NO_GAP_RAD) / SECTOR_RAD).floor()];
+        if first < last && self.sectors.is_empty() {
+            self.sectors = vec![f32::INFINITY; SECTORS];
+        }
+        for sector in first as usize..last as usize {
+            let bound = &mut self.sectors[sector % SECTORS];
+            *bound = bound.min((far as f32).next_up());
+        }
+    }
+
+    /// Whether something ends the line that leaves where the normal has this angle (rad) before a point at this
+    /// distance (m) from the centre. Not every such line is found.
+    pub fn hides(&self, angle: f64, distance: f64) -> bool {
+        let sector = (angle.rem_euclid(TAU) / SECTOR_RAD) as usize % SECTORS;
+        self.sectors.get(sector).is_some_and(|bound| distance > f64::from(*bound) + LOOKUP_MARGIN_M)
+    }
+
+    /// As [`View::hides`], of the line along this vector from a point whose view this is.
+    pub fn hides_along(&self, line: Vector) -> bool {
+        !self.sectors.is_empty() && self.hides(angle_of(line) - FRAC_PI_2, line.norm())
+    }
+}
+
+/// The angles of lines that blocks end.
+#[derive(Default)]
+struct EndedLines {
+    intervals: Vec<[f64; 2]>,
+    /// The sectors, by bits, that have some of them.
+    sectors: u128,
+}
+
+impl EndedLines {
+    fn add(&mut self, [first, last]: [f64; 2]) {
+        let [from, to] = [first, last].map(|angle| (angle / SECTOR_RAD) as usize);
+        for sector in from..=to.min(from + SECTORS) {
+            self.sectors |= 1 << (sector % SECTORS);
+        }
+        self.intervals.push([first, last]);
+        self.intervals.push([first - TAU, last - TAU]);
+    }
+
+    /// Whether they are all.
+    fn is_all(&mut self) -> bool {
+        self.sectors == u128::MAX && is_whole_turn(&mut self.intervals)
     }
 }
 
@@ -127,13 +210,12 @@ fn outside(a: Vector, b: Vector, radius: f64) -> [Option<[Vector; 2]>; 2] {
     [(enters > 0.0).then(|| [a, a + along * enters]), (leaves < 1.0).then(|| [a + along * leaves, b])]
 }
 
-/// The angles (rad) of the normals between which the lines from a circle around the origin meet the segment
-/// `a b`, ascending, the first from 0 to a full turn.
-fn angles(a: Vector, b: Vector, radius: f64, turn: f64) -> [f64; 2] {
-    // the line that touches at the normal's angle has this angle more at a distance from the centre
-    let ahead = |p: Vector| turn * math::acos((radius / p.norm()).min(1.0));
-    let from = angle_of(a) - ahead(a);
-    let by = wrap_angle(angle_of(b) - angle_of(a)) - (ahead(b) - ahead(a));
+/// The angles (rad) of the normals between which the lines from a circle meet a segment, ascending, the first from
+/// 0 to a full turn. Of each end it takes the angle of the direction to it from the centre, and how far the line that
+/// meets it turns from its normal to there.
+fn angles([(a, ahead_a), (b, ahead_b)]: [(f64, f64); 2], turn: f64) -> [f64; 2] {
+    let from = a - turn * ahead_a;
+    let by = wrap_angle(b - a) - turn * (ahead_b - ahead_a);
     let first = from.min(from + by).rem_euclid(TAU);
     [first, first + by.abs()]
 }
