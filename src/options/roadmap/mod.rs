@@ -374,8 +374,8 @@ impl Roadmap {
     }
 }
 
-/// The clear lines that leave a ring, with its view, and touch one of `others`, each with the ring that it leads to and its
-/// ends.
+/// The clear lines that leave a ring, with its view, and touch one of `others`, each with the ring that it leads
+/// to and its ends.
 fn clear_lines(
     discs: &[Disc],
     (from, view): (usize, &View),

@@ -48,8 +48,8 @@ impl Reachable {
         open.count() as u64 * (2 * self.open.len() + self.portals.len()) as u64
     }
 
-    /// The discs that lines may lead from, ascending, with the views of their two rings and the discs that lines
-    /// from either may lead to, ascending.
+    /// The discs that lines may lead from, ascending, with the views of their two rings and the discs that
+    /// lines from either may lead to, ascending.
     pub fn discs(&self, discs: &[Disc]) -> impl Iterator<Item = (usize, &[View; 2], Vec<usize>)> {
         self.open.iter().zip(&self.from_rings).map(|(&disc, views)| {
             let met = self.near_discs.meeting(around(discs[disc].center, farthest(views)));

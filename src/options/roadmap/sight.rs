@@ -210,10 +210,11 @@ fn outside(a: Vector, b: Vector, radius: f64) -> [Option<[Vector; 2]>; 2] {
     [(enters > 0.0).then(|| [a, a + along * enters]), (leaves < 1.0).then(|| [a + along * leaves, b])]
 }
 
-/// The angles (rad) of the normals between which the lines from a circle meet a segment, ascending, the first from
-/// 0 to a full turn. Of each end it takes the angle of the direction to it from the centre, and how far the line that
-/// meets it turns from its normal to there.
-fn angles([(a, ahead_a), (b, ahead_b)]: [(f64, f64); 2], turn: f64) -> [f64; 2] {
+/// The angles (rad) of the normals between which the lines from a circle meet a segment, ascending, the first
+/// from 0 to a full turn. `ends` has, for each end of the segment, the angle of the direction to it from the
+/// centre, and the angle between this direction and the normal of the line that meets it.
+fn angles(ends: [(f64, f64); 2], turn: f64) -> [f64; 2] {
+    let [(a, ahead_a), (b, ahead_b)] = ends;
     let from = a - turn * ahead_a;
     let by = wrap_angle(b - a) - turn * (ahead_b - ahead_a);
     let first = from.min(from + by).rem_euclid(TAU);
