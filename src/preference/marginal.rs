@@ -34,12 +34,23 @@ pub struct Marginal {
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Shape {
     Uniform,
-    /// `mass` is the probability the untruncated normal has between the bounds.
+    /// `mass` is the probability the untruncated normal has between the bounds, `from` the lower bound.
     Normal {
         mean: f64,
         std: f64,
         mass: f64,
+        from: Standardised,
     },
+}
+
+/// A value in standard deviations from the mean, with both error functions there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Standardised {
+    z: f64,
+    /// `erf(z / sqrt(2))`.
+    erf: f64,
+    /// `erfc(|z| / sqrt(2))`.
+    erfc: f64,
 }
 
 impl Marginal {
@@ -61,14 +72,15 @@ impl Marginal {
                 "normal distribution with mean {mean} and standard deviation {std}: the mean must be finite, the deviation positive"
             )));
         }
-        let mass = normal_mass((lower - mean) / std, (upper - mean) / std);
+        let from = Standardised::new((lower - mean) / std);
+        let mass = from.mass_up_to((upper - mean) / std);
         // Below this the ratio of two probabilities loses its digits.
         if mass.is_nan() || mass < 1e-290 {
             return Err(Error::new(format!(
                 "normal distribution with mean {mean} and standard deviation {std} has no probability in [{lower}, {upper}]"
             )));
         }
-        Ok(Self { shape: Shape::Normal { mean, std, mass }, ..bounded })
+        Ok(Self { shape: Shape::Normal { mean, std, mass, from }, ..bounded })
     }
 
     /// Lower bound.
@@ -99,8 +111,8 @@ impl Marginal {
         }
         match self.shape {
             Shape::Uniform => (value - self.lower) / (self.upper - self.lower),
-            Shape::Normal { mean, std, mass } => {
-                (normal_mass((self.lower - mean) / std, (value - mean) / std) / mass).min(1.0)
+            Shape::Normal { mean, std, mass, from } => {
+                (from.mass_up_to((value - mean) / std) / mass).min(1.0)
             }
         }
     }
@@ -112,7 +124,7 @@ impl Marginal {
         }
         match self.shape {
             Shape::Uniform => 1.0 / (self.upper - self.lower),
-            Shape::Normal { mean, std, mass } => normal_density((value - mean) / std) / (std * mass),
+            Shape::Normal { mean, std, mass, .. } => normal_density((value - mean) / std) / (std * mass),
         }
     }
 
@@ -178,20 +190,27 @@ fn normal_density(z: f64) -> f64 {
     math::exp(-0.5 * z * z) / (2.0 * std::f64::consts::PI).sqrt()
 }
 
-/// Probability a standard normal has in `[from, to]`, accurate in both tails and for short intervals.
-fn normal_mass(from: f64, to: f64) -> f64 {
-    let (width, middle) = (to - from, 0.5 * (from + to));
-    if width * (1.0 + middle.abs()) < 1e-3 {
-        // The difference of two distribution functions would cancel most digits.
-        return width * normal_density(middle) * (1.0 + (middle * middle - 1.0) * width * width / 24.0);
+impl Standardised {
+    fn new(z: f64) -> Self {
+        let scaled = z * std::f64::consts::FRAC_1_SQRT_2;
+        Self { z, erf: erf(scaled), erfc: erfc(scaled.abs()) }
     }
-    let (a, b) = (from * std::f64::consts::FRAC_1_SQRT_2, to * std::f64::consts::FRAC_1_SQRT_2);
-    0.5 * if a > 0.0 {
-        erfc(a) - erfc(b)
-    } else if b < 0.0 {
-        erfc(-b) - erfc(-a)
-    } else {
-        erf(b) - erf(a)
+
+    /// Probability a standard normal has from here to `to`, accurate in both tails and for short intervals.
+    fn mass_up_to(&self, to: f64) -> f64 {
+        let (width, middle) = (to - self.z, 0.5 * (self.z + to));
+        if width * (1.0 + middle.abs()) < 1e-3 {
+            // The difference of two distribution functions would cancel most digits.
+            return width * normal_density(middle) * (1.0 + (middle * middle - 1.0) * width * width / 24.0);
+        }
+        let scaled = to * std::f64::consts::FRAC_1_SQRT_2;
+        0.5 * if self.z > 0.0 {
+            self.erfc - erfc(scaled)
+        } else if to < 0.0 {
+            erfc(-scaled) - self.erfc
+        } else {
+            erf(scaled) - self.erf
+        }
     }
 }
 

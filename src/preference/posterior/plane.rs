@@ -346,27 +346,25 @@ impl Plane {
 
     /// The density at a point of the plane.
     pub fn density(&self, alpha: f64, gamma: f64) -> f64 {
-        let is_below = |segment: &&Segment| {
-            let is_last = segment.to == self.last_gamma();
-            let has = segment.from <= gamma && (gamma < segment.to || is_last && gamma == segment.to);
-            has && self.lines[segment.line as usize].alpha(gamma) <= alpha
-        };
-        self.segments.iter().filter(is_below).map(|segment| segment.step).sum::<f64>().max(0.0)
+        let is_below = |s: &&Segment| self.lines[s.line as usize].alpha(gamma) <= alpha;
+        self.segments_at(gamma).filter(is_below).map(|segment| segment.step).sum::<f64>().max(0.0)
     }
 
     /// The density at one gamma: every alpha at which it steps, ascending, and the step. The first alpha is
     /// the least one.
     pub fn steps_at(&self, gamma: f64) -> Vec<(f64, f64)> {
-        let last = self.last_gamma();
-        let has = |s: &&Segment| s.from <= gamma && (gamma < s.to || s.to == last && gamma == last);
         let step = |s: &Segment| (self.lines[s.line as usize].alpha(gamma), s.step);
-        let mut steps: Vec<(f64, f64)> = self.segments.iter().filter(has).map(step).collect();
+        let mut steps: Vec<(f64, f64)> = self.segments_at(gamma).map(step).collect();
         steps.sort_by(|a, b| a.0.total_cmp(&b.0));
         steps
     }
 
-    fn last_gamma(&self) -> f64 {
-        self.segments.iter().map(|segment| segment.to).fold(0.0, f64::max)
+    /// The segments with this gamma. The last gamma belongs to those that end there.
+    fn segments_at(&self, gamma: f64) -> impl Iterator<Item = &Segment> {
+        let last = self.segments.iter().map(|segment| segment.to).fold(0.0, f64::max);
+        self.segments
+            .iter()
+            .filter(move |s| s.from <= gamma && (gamma < s.to || s.to == last && gamma == last))
     }
 
     /// The prior's probability of all places with `function(density) = 1`, weighted: the integral of a function

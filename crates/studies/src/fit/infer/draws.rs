@@ -4,7 +4,7 @@
 //! the row, and alpha exactly from the step function at this gamma.
 
 use super::evidence::Perceived;
-use super::population::{Grid, ROWS, along};
+use super::population::{Grid, ROWS, RowMasses};
 use crate::parallel::in_parallel;
 use cocarry::learning::{Tolerance, TolerancePrior};
 use cocarry::math;
@@ -76,7 +76,8 @@ pub(super) type PersonDraws = [Vec<f64>; 3];
 enum Rows {
     /// The integrals along alpha, by alpha's population, for those that are drawn.
     Population(Vec<Option<[f64; ROWS]>>),
-    Alone(Box<[f64; ROWS]>),
+    /// The row's probabilities before the answers and after them.
+    Alone(Box<(RowMasses, [f64; ROWS])>),
     /// The cumulated weights of samples instead.
     Samples(Vec<f64>),
 }
@@ -159,8 +160,9 @@ impl DrawSource<'_> {
                 Rows::Population(along)
             }
             (None, Belief::Independent { alpha, gamma }) => {
-                let (along, masses) = (self.grid.along_alpha(&steps(), alpha), self.grid.row_masses(gamma));
-                Rows::Alone(Box::new(std::array::from_fn(|row| along[row] * masses[row])))
+                let masses = self.grid.row_masses(gamma);
+                let rows = self.grid.rows_given(&self.grid.along_alpha(&steps(), alpha), &masses);
+                Rows::Alone(Box::new((masses, rows)))
             }
             (None, Belief::Samples(set)) => {
                 let mut sum = 0.0;
@@ -179,18 +181,21 @@ impl DrawSource<'_> {
         let mut draws: PersonDraws = Default::default();
         for draw in 0..CHAINS * places.length {
             let rng = &mut places.person(draw, p);
-            let within = |rows: &[f64], normals: [Marginal; 2], rng: &mut ChaCha8Rng| {
-                let human = person_within(grid, person, rows, &normals, rng);
+            let mut within = |rows: &[f64; ROWS], masses: &RowMasses, normals: [Marginal; 2]| {
+                let human = person_within(grid, person, rows, masses, &normals, rng);
                 (human, normals[0].density(human.alpha) * normals[1].density(human.gamma))
             };
             let (human, density) = match (rows, self.belief) {
                 (Rows::Population(along), _) => {
                     let [a, g] = grid.at(nodes.map_or(0, |nodes| nodes[draw]));
                     let along = along[a].as_ref().expect("integrals of every population drawn");
-                    within(&grid.rows_given(along, g), [grid.alpha.normals[a], grid.gamma.normals[g]], rng)
+                    let masses = grid.masses_of(g);
+                    let normals = [grid.alpha.normals[a], grid.gamma.normals[g]];
+                    within(&grid.rows_given(along, masses), masses, normals)
                 }
-                (Rows::Alone(rows), Belief::Independent { alpha, gamma }) => {
-                    within(&rows[..], [*alpha, *gamma], rng)
+                (Rows::Alone(alone), Belief::Independent { alpha, gamma }) => {
+                    let (masses, rows) = alone.as_ref();
+                    within(rows, masses, [*alpha, *gamma])
                 }
                 (Rows::Samples(weights), Belief::Samples(set)) => {
                     let sample = set.samples()[pick(weights, rng)];
@@ -259,44 +264,66 @@ fn pick(cumulated: &[f64], rng: &mut ChaCha8Rng) -> usize {
     cumulated.partition_point(|sum| *sum <= at).min(cumulated.len() - 1)
 }
 
-/// A person by the probabilities of the rows of gamma.
+/// A person by the probabilities of the rows of gamma, after the answers and before them.
 fn person_within(
     grid: &Grid,
     person: &Perceived,
-    rows: &[f64],
+    rows: &[f64; ROWS],
+    masses: &RowMasses,
     [alpha, gamma]: &[Marginal; 2],
     rng: &mut ChaCha8Rng,
 ) -> Perception {
     let mut sum = 0.0;
-    let add = |row: &f64| {
-        sum += row;
-        sum
-    };
-    let row = pick(&rows.iter().map(add).collect::<Vec<_>>(), rng);
+    let row = pick(
+        &rows.map(|row| {
+            sum += row;
+            sum
+        }),
+        rng,
+    );
     let [from, to] = grid.row(row);
-    let [below, above] = [from, to].map(|end| gamma.cdf(end));
-    let drawn = gamma.quantile(below + rng.random::<f64>() * (above - below)).clamp(from, to);
-    let steps = person.posterior.steps_at(drawn);
+    let below = masses.up_to[row];
+    let drawn = gamma.quantile(below + rng.random::<f64>() * masses.of(row)).clamp(from, to);
+    let along = AlongAlpha::new(&person.posterior.steps_at(drawn), alpha);
+    if along.integral > 0.0 {
+        return Perception { alpha: along.draw(alpha, rng), gamma: drawn };
+    }
     // only without lapses, at the rim of what is possible
-    let is_possible = along(&steps, alpha) > 0.0;
-    let drawn = if is_possible { drawn } else { 0.5 * (from + to) };
-    let steps = if is_possible { steps } else { person.posterior.steps_at(drawn) };
-    Perception { alpha: alpha_along(&steps, alpha, rng), gamma: drawn }
+    let middle = 0.5 * (from + to);
+    let along = AlongAlpha::new(&person.posterior.steps_at(middle), alpha);
+    Perception { alpha: along.draw(alpha, rng), gamma: middle }
 }
 
-/// An alpha by its distribution times a step function.
-fn alpha_along(steps: &[(f64, f64)], alpha: &Marginal, rng: &mut ChaCha8Rng) -> f64 {
-    let (mut value, mut sum) = (0.0, 0.0);
-    let mut parts: Vec<[f64; 2]> = Vec::new();
-    let mut cumulated = Vec::new();
-    for (i, (from, step)) in steps.iter().enumerate() {
-        value += step;
-        let ends = [*from, steps.get(i + 1).map_or(f64::INFINITY, |next| next.0)].map(|end| alpha.cdf(end));
-        sum += value.max(0.0) * (ends[1] - ends[0]);
-        parts.push(ends);
-        cumulated.push(sum);
+/// The distribution of alpha times a step function.
+struct AlongAlpha {
+    /// Alpha's probability up to every step, and 1.
+    up_to: Vec<f64>,
+    /// The cumulated probabilities of the parts between the steps, not scaled.
+    cumulated: Vec<f64>,
+    integral: f64,
+}
+
+impl AlongAlpha {
+    fn new(steps: &[(f64, f64)], alpha: &Marginal) -> Self {
+        let up_to: Vec<f64> = steps.iter().map(|(from, _)| alpha.cdf(*from)).chain([1.0]).collect();
+        let (mut value, mut sum) = (0.0, 0.0);
+        let parts = steps.iter().zip(up_to.windows(2));
+        let cumulated = parts.map(|((_, step), ends)| {
+            value += step;
+            sum += value.max(0.0) * (ends[1] - ends[0]);
+            sum
+        });
+        let cumulated = cumulated.collect();
+        let integral = steps.iter().zip(&up_to).map(|((_, step), below)| step * (1.0 - below)).sum();
+        Self { up_to, cumulated, integral }
     }
-    let part = pick(&cumulated, rng);
-    let [below, above] = parts.get(part).copied().unwrap_or([0.0, 1.0]);
-    alpha.quantile(below + rng.random::<f64>() * (above - below))
+
+    fn draw(&self, alpha: &Marginal, rng: &mut ChaCha8Rng) -> f64 {
+        let part = pick(&self.cumulated, rng);
+        let [below, above] = match self.cumulated.is_empty() {
+            false => [self.up_to[part], self.up_to[part + 1]],
+            true => [0.0, 1.0],
+        };
+        alpha.quantile(below + rng.random::<f64>() * (above - below))
+    }
 }

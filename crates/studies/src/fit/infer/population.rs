@@ -63,15 +63,31 @@ pub(super) struct Grid {
     pub alpha: Axis,
     pub gamma: Axis,
     gammas: [f64; 2],
-    /// The probability of each row, by gamma's population.
-    rows: Vec<[f64; ROWS]>,
+    /// The rows' probabilities, by gamma's population.
+    rows: Vec<RowMasses>,
+    /// The probability of each row, by row and then by gamma's population.
+    masses: Vec<f64>,
+}
+
+/// The probabilities of the rows of gamma.
+#[derive(Clone, Debug)]
+pub(super) struct RowMasses {
+    /// Up to the beginning of each row, and to the end of the last.
+    pub up_to: [f64; ROWS + 1],
+}
+
+impl RowMasses {
+    pub fn of(&self, row: usize) -> f64 {
+        self.up_to[row + 1] - self.up_to[row]
+    }
 }
 
 impl Grid {
     pub fn new(ranges: [[f64; 2]; 2]) -> Result<Self, Error> {
         let [alpha, gamma] = [Axis::new(ranges[0])?, Axis::new(ranges[1])?];
-        let mut grid = Self { alpha, gamma, gammas: ranges[1], rows: Vec::new() };
+        let mut grid = Self { alpha, gamma, gammas: ranges[1], rows: Vec::new(), masses: Vec::new() };
         grid.rows = grid.gamma.normals.iter().map(|normal| grid.row_masses(normal)).collect();
+        grid.masses = (0..ROWS).flat_map(|row| grid.rows.iter().map(move |masses| masses.of(row))).collect();
         Ok(grid)
     }
 
@@ -91,12 +107,14 @@ impl Grid {
         [row, row + 1].map(|end| low + (high - low) * end as f64 / ROWS as f64)
     }
 
-    /// The probability of each row.
-    pub fn row_masses(&self, gamma: &Marginal) -> [f64; ROWS] {
-        std::array::from_fn(|row| {
-            let [from, to] = self.row(row).map(|end| gamma.cdf(end));
-            to - from
-        })
+    /// The probabilities of the rows.
+    pub fn row_masses(&self, gamma: &Marginal) -> RowMasses {
+        RowMasses { up_to: std::array::from_fn(|row| gamma.cdf(self.row(row)[0])) }
+    }
+
+    /// The probabilities of the rows under one of gamma's populations.
+    pub fn masses_of(&self, gamma: usize) -> &RowMasses {
+        &self.rows[gamma]
     }
 
     /// The steps of a likelihood in the middle of each row.
@@ -112,19 +130,22 @@ impl Grid {
 
     /// The integrals of one likelihood over every population: by alpha's, then gamma's.
     pub fn integrals(&self, steps: &Steps) -> Vec<f64> {
-        let mut values = Vec::with_capacity(self.len());
-        for normal in &self.alpha.normals {
+        let gammas = self.rows.len();
+        let mut values = vec![0.0; self.len()];
+        for (normal, values) in self.alpha.normals.iter().zip(values.chunks_exact_mut(gammas)) {
             let along = self.along_alpha(steps, normal);
-            let of = |rows: &[f64; ROWS]| along.iter().zip(rows).map(|(a, b)| a * b).sum::<f64>();
-            values.extend(self.rows.iter().map(of));
+            // all of gamma's populations at once, row by row: their sums do not wait for each other
+            for (along, masses) in along.iter().zip(self.masses.chunks_exact(gammas)) {
+                values.iter_mut().zip(masses).for_each(|(sum, mass)| *sum += along * mass);
+            }
         }
         values
     }
 
     /// The posterior probability of each row of one person, given the integrals along alpha by alpha's
     /// population, and gamma's population, not scaled.
-    pub fn rows_given(&self, along_alpha: &[f64; ROWS], gamma: usize) -> [f64; ROWS] {
-        std::array::from_fn(|row| along_alpha[row] * self.rows[gamma][row])
+    pub fn rows_given(&self, along_alpha: &[f64; ROWS], gamma: &RowMasses) -> [f64; ROWS] {
+        std::array::from_fn(|row| along_alpha[row] * gamma.of(row))
     }
 
     /// The distribution of a quantity under weights of the nodes.
@@ -151,7 +172,7 @@ impl Grid {
 }
 
 /// The integral of a step function of alpha.
-pub(super) fn along(steps: &[(f64, f64)], alpha: &Marginal) -> f64 {
+fn along(steps: &[(f64, f64)], alpha: &Marginal) -> f64 {
     steps.iter().map(|(from, step)| step * (1.0 - alpha.cdf(*from))).sum::<f64>().max(0.0)
 }
 
