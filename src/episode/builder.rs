@@ -127,8 +127,8 @@ impl<'a> EpisodeBuilder<'a> {
         Self { observer: Some(Box::new(observer)), ..self }
     }
 
-    /// Keeps the robot's predictions while it leads for other episodes, and uses theirs. Results are the same
-    /// bits; it saves time where many humans walk in one world.
+    /// Keeps the predictions of the belief before the episode for other episodes, and uses theirs. Results are
+    /// the same bits; it saves time where many humans walk in one world.
     pub fn with_predictions(self, memory: &'a PredictionMemory) -> Self {
         Self { predictions: Some(memory), ..self }
     }

@@ -108,9 +108,9 @@ impl Prediction {
         choice.clear();
         expected.clear();
         match &mut by {
-            // both are asked while the robot leads, when the human does not matter yet
-            By::Prior(prior, Some(known)) if asked.choice && asked.expected => {
-                known.predict(prior, (prospects, ways), &mut key, &mut choice, &mut expected);
+            By::Prior(prior, Some(known)) if asked.choice => {
+                let expected = asked.expected.then_some(&mut expected);
+                known.predict(prior, (prospects, ways), &mut key, &mut choice, expected);
             }
             By::Prior(prior, _) if asked.choice => prior.predict_from(prospects, ways, &mut choice),
             By::Learned(learner, lapse_rate) if asked.choice => {
@@ -120,7 +120,7 @@ impl Prediction {
             _ => {}
         }
         match &mut by {
-            By::Prior(_, Some(_)) if asked.choice && asked.expected => {}
+            By::Prior(_, Some(_)) if asked.choice => {}
             By::Prior(prior, _) if asked.expected => prior.expected_costs(prospects, &mut expected),
             By::Learned(learner, _) if asked.expected => learner.expected_costs(prospects, &mut expected),
             _ => {}

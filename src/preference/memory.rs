@@ -1,7 +1,7 @@
 //! Predictions of many episodes, kept by what they depend on.
 //!
-//! A robot that leads does not know its human. In the episodes of a study that share a world, a belief and a
-//! method, P_o and J~_o are the same numbers at the same places, however many humans there are.
+//! P_o and J~_o are of a belief, not of a human. In the episodes of a study that share a world and a belief,
+//! they are the same numbers at the same places, however many humans there are.
 
 use super::{ChoiceDistribution, Predictor, Prospect, Ways};
 use std::collections::HashMap;
@@ -29,8 +29,8 @@ pub(crate) struct Predictions {
 
 #[derive(Debug, Default)]
 struct Known {
-    /// P_o, then J~_o, by the bits of the options' lengths and risks and by the representatives of their ways.
-    /// The hash is the same in every process.
+    /// P_o, then J~_o if it was asked for, by the bits of the options' lengths and risks and by the
+    /// representatives of their ways, and by whether J~_o was asked for. The hash is the same in every process.
     by_options: HashMap<Box<[u64]>, Box<[f64]>, BuildHasherDefault<DefaultHasher>>,
     /// The number of values in it.
     values: usize,
@@ -60,35 +60,41 @@ impl PredictionMemory {
 }
 
 impl Predictions {
-    /// P_o and J~_o of these options, into `choice` and `expected`: what is known of them, or else what the
-    /// predictor gives. `key` is memory for the search.
+    /// P_o of these options into `choice`, and J~_o into `expected` if there is one: what is known of them, or
+    /// else what the predictor gives. `key` is memory for the search.
     pub fn predict(
         &self,
         predictor: &mut Predictor,
         (prospects, ways): (&[Prospect], &Ways),
         key: &mut Vec<u64>,
         choice: &mut ChoiceDistribution,
-        expected: &mut Vec<f64>,
+        mut expected: Option<&mut Vec<f64>>,
     ) {
         key.clear();
         for (option, Prospect { length, risk }) in prospects.iter().enumerate() {
             key.extend([length.to_bits(), risk.to_bits(), ways.representative(option) as u64]);
         }
-        expected.clear();
+        key.push(u64::from(expected.is_some()));
         if let Ok(known) = self.known.read()
             && let Some(values) = known.by_options.get(key.as_slice())
         {
             let (probabilities, costs) = values.split_at(prospects.len());
             choice.take_over(probabilities);
-            expected.extend_from_slice(costs);
+            if let Some(expected) = expected {
+                expected.clear();
+                expected.extend_from_slice(costs);
+            }
             return;
         }
         predictor.predict_from(prospects, ways, choice);
-        predictor.expected_costs(prospects, expected);
+        if let Some(expected) = &mut expected {
+            predictor.expected_costs(prospects, expected);
+        }
+        let costs = expected.as_ref().map_or(&[][..], |expected| expected.as_slice());
         if let Ok(mut known) = self.known.write()
-            && known.values + key.len() + 2 * prospects.len() <= MAX_VALUES
+            && known.values + key.len() + prospects.len() + costs.len() <= MAX_VALUES
         {
-            let values: Box<[f64]> = choice.probabilities().iter().chain(&*expected).copied().collect();
+            let values: Box<[f64]> = choice.probabilities().iter().chain(costs).copied().collect();
             known.values += key.len() + values.len();
             known.by_options.insert(key.as_slice().into(), values);
         }
@@ -118,16 +124,14 @@ mod tests {
                 let prospects: [Prospect; 4] = std::array::from_fn(|o| Prospect::new(lengths[o], risks[o]));
                 let mut ways = Ways::default();
                 ways.find(4, Some(2), |a, b| k % 60 >= 30 && (a, b) == (0, 2));
-                predictions.predict(
-                    &mut predictor,
-                    (&prospects, &ways),
-                    &mut key,
-                    &mut choice,
-                    &mut expected,
-                );
+                let asked = (prospects.as_slice(), &ways);
                 let (mut own, mut costs) = (ChoiceDistribution::default(), Vec::new());
                 predictor.predict_from(&prospects, &ways, &mut own);
                 predictor.expected_costs(&prospects, &mut costs);
+                // P_o alone, as while the human leads
+                predictions.predict(&mut predictor, asked, &mut key, &mut choice, None);
+                assert_eq!(choice, own, "{k}");
+                predictions.predict(&mut predictor, asked, &mut key, &mut choice, Some(&mut expected));
                 assert_eq!((&choice, &expected), (&own, &costs), "{k}");
             }
         }
@@ -143,14 +147,14 @@ mod tests {
         }
         let (mut predictor, predictions) = (Predictor::default(), Predictions::default());
         let (mut choice, mut expected, mut key) = (ChoiceDistribution::default(), Vec::new(), Vec::new());
-        for k in 0..=MAX_VALUES / 5 {
+        for k in 0..=MAX_VALUES / 6 {
             let prospects = [Prospect::new(k as f64, 0.5)];
             let asked = (prospects.as_slice(), &Ways::default());
-            predictions.predict(&mut predictor, asked, &mut key, &mut choice, &mut expected);
+            predictions.predict(&mut predictor, asked, &mut key, &mut choice, Some(&mut expected));
             assert_eq!((choice.probabilities(), expected.len()), (&[1.0][..], 1));
         }
         let known = predictions.known.read().unwrap();
-        assert!(known.values <= MAX_VALUES && known.values + 5 > MAX_VALUES, "{}", known.values);
-        assert_eq!(known.by_options.len(), MAX_VALUES / 5);
+        assert!(known.values <= MAX_VALUES && known.values + 6 > MAX_VALUES, "{}", known.values);
+        assert_eq!(known.by_options.len(), MAX_VALUES / 6);
     }
 }

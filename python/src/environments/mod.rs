@@ -15,7 +15,7 @@ use crate::error::{ActionError, ClosedError, Error, RecordingError, ScenarioErro
 use crate::robot::input_limits;
 use crate::scenario::{Scenario, counted_changes};
 use crate::value::{self, repr};
-use cocarry::preference::Perception;
+use cocarry::preference::{Perception, PredictionMemory};
 use cocarry::scenario::{GivenPerception, PERCEPTION, PreparedScenario};
 use cocarry::suggestion;
 use lane::{Lane, StepResult, Wish};
@@ -209,8 +209,13 @@ impl Lanes {
         if !(scale > 0.0 && scale <= 1.0) {
             return refused("action_scale", &scale, "a number greater than 0 and at most 1");
         }
-        let bases =
-            scenarios.iter().map(|scenario| scenario.get().prepared(py)).collect::<PyResult<Vec<_>>>()?;
+        // predictions do not depend on the human: all episodes keep them for the others
+        let memory = Arc::new(PredictionMemory::default());
+        let keeping = |scenario: &Py<Scenario>| -> PyResult<_> {
+            let prepared = scenario.get().prepared(py)?;
+            Ok(Arc::new(PreparedScenario::clone(&prepared).keeping_predictions(Arc::clone(&memory))))
+        };
+        let bases = scenarios.iter().map(keeping).collect::<PyResult<Vec<_>>>()?;
         let Some(first) = bases.first() else {
             return Err(Error::new_err("worlds has no world; it must have at least one"));
         };
