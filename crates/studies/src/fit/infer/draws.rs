@@ -76,7 +76,7 @@ pub(super) type PersonDraws = [Vec<f64>; 3];
 enum Rows {
     /// The integrals along alpha, by alpha's population, for those that are drawn.
     Population(Vec<Option<[f64; ROWS]>>),
-    /// The row's probabilities before the answers and after them.
+    /// The rows' probabilities before the answers, and after them.
     Alone(Box<(RowMasses, [f64; ROWS])>),
     /// The cumulated weights of samples instead.
     Samples(Vec<f64>),
@@ -274,13 +274,11 @@ fn person_within(
     rng: &mut ChaCha8Rng,
 ) -> Perception {
     let mut sum = 0.0;
-    let row = pick(
-        &rows.map(|row| {
-            sum += row;
-            sum
-        }),
-        rng,
-    );
+    let cumulated = rows.map(|row| {
+        sum += row;
+        sum
+    });
+    let row = pick(&cumulated, rng);
     let [from, to] = grid.row(row);
     let below = masses.up_to[row];
     let drawn = gamma.quantile(below + rng.random::<f64>() * masses.of(row)).clamp(from, to);
