@@ -1,5 +1,5 @@
 //! Xacros: a program of others, which runs code that is in the file, is started only where the user asks for
-//! it, within limits.
+//! it, within limits. Tests begin in the order of their names: the one that waits must not be the last.
 #![cfg(unix)]
 
 use crate::spoiled_robot::{TOML, URDF, original};
