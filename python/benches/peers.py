@@ -23,7 +23,7 @@ import warnings
 import gymnasium
 import numpy as np
 
-import cocarry.environments  # noqa: F401: registers them
+import cocarry.environments  # noqa: F401  # registers them
 
 ROUNDS, STEPS = 5, 480
 TAKEN = 60  # steps of an episode, before any ends
