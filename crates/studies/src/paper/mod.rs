@@ -25,6 +25,7 @@ use cocarry::preference::Perception;
 use cocarry::scenario::{GivenWorld, Plant, PreparedScenario, Scenario};
 use cocarry::world::World;
 use std::path::Path;
+use std::sync::Arc;
 
 /// One of the paper's environments.
 #[derive(Debug)]
@@ -130,13 +131,15 @@ impl Environment {
     }
 }
 
-/// The prepared scenario of a team in a world, which the scenarios of its humans share.
+/// The prepared scenario of a team in a world, which the scenarios of its humans share, and their predictions.
 fn prepared(
     world: impl Into<GivenWorld>,
     settings: &EpisodeSettings,
     plant: &Plant,
 ) -> Result<PreparedScenario, Error> {
-    Scenario { settings: settings.clone(), ..Scenario::new(world.into(), plant.clone()) }.prepare()
+    let scenario = Scenario { settings: settings.clone(), ..Scenario::new(world.into(), plant.clone()) };
+    // the humans differ, the predictions about them do not
+    Ok(scenario.prepare()?.keeping_predictions(Arc::default()))
 }
 
 /// Runs the episode of a scenario to its end, and calls `on_tick` after every step.
