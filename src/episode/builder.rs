@@ -127,7 +127,7 @@ impl<'a> EpisodeBuilder<'a> {
         Self { observer: Some(Box::new(observer)), ..self }
     }
 
-    /// Keeps the predictions of the belief before the episode for other episodes, and uses theirs. Results are
+    /// Shares the predictions of the belief before the episode with other episodes through `memory`. Results are
     /// the same bits; it saves time where many humans walk in one world.
     pub fn with_predictions(self, memory: &'a PredictionMemory) -> Self {
         Self { predictions: Some(memory), ..self }

@@ -167,8 +167,8 @@ impl PreparedScenario {
         &self.scenario
     }
 
-    /// The same scenario, whose episodes keep their predictions in `memory`, and so do those of the scenarios
-    /// that are prepared from it: see [`EpisodeBuilder::with_predictions`].
+    /// The same scenario, whose episodes share their predictions through `memory`, also with the episodes of
+    /// scenarios that are prepared from it: see [`EpisodeBuilder::with_predictions`].
     #[must_use]
     pub fn keeping_predictions(self, memory: Arc<PredictionMemory>) -> Self {
         Self { predictions: Some(memory), ..self }

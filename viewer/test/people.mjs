@@ -416,17 +416,16 @@ async function throughDataPipe() {
 }
 
 try {
-  if (mode === "hands") {
-    await handled();
-    process.exit(0);
+  if (mode === "hands") await handled();
+  else {
+    collected(await one());
+    await killedOften();
+    if (carries) await handled();
+    writeFileSync(join(folder, "code.toml"), readFileSync(join(folder, "study.toml"), "utf8").replace("# code = ", "code = "));
+    await withoutServer();
+    await inJatos();
+    await throughDataPipe();
   }
-  collected(await one());
-  await killedOften();
-  if (carries) await handled();
-  writeFileSync(join(folder, "code.toml"), readFileSync(join(folder, "study.toml"), "utf8").replace("# code = ", "code = "));
-  await withoutServer();
-  await inJatos();
-  await throughDataPipe();
 } finally {
   await browser.close();
   server.kill("SIGKILL");

@@ -209,7 +209,7 @@ impl Lanes {
         if !(scale > 0.0 && scale <= 1.0) {
             return refused("action_scale", &scale, "a number greater than 0 and at most 1");
         }
-        // predictions do not depend on the human: all episodes keep them for the others
+        // predictions do not depend on the human: all episodes share them
         let memory = Arc::new(PredictionMemory::default());
         let keeping = |scenario: &Py<Scenario>| -> PyResult<_> {
             let prepared = scenario.get().prepared(py)?;

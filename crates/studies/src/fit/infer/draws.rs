@@ -4,7 +4,7 @@
 //! the row, and alpha exactly from the step function at this gamma.
 
 use super::evidence::Perceived;
-use super::population::{Grid, ROWS, RowMasses};
+use super::population::{Grid, ROWS, RowMasses, integral};
 use crate::parallel::in_parallel;
 use cocarry::learning::{Tolerance, TolerancePrior};
 use cocarry::math;
@@ -312,7 +312,7 @@ impl AlongAlpha {
             sum
         });
         let cumulated = cumulated.collect();
-        let integral = steps.iter().zip(&up_to).map(|((_, step), below)| step * (1.0 - below)).sum();
+        let integral = integral(steps, up_to.iter().copied());
         Self { up_to, cumulated, integral }
     }
 

@@ -125,7 +125,10 @@ impl Grid {
 
     /// The integral over alpha on each row.
     pub fn along_alpha(&self, steps: &Steps, alpha: &Marginal) -> [f64; ROWS] {
-        std::array::from_fn(|row| along(&steps.0[row], alpha))
+        std::array::from_fn(|row| {
+            let steps = &steps.0[row];
+            integral(steps, steps.iter().map(|(from, _)| alpha.cdf(*from)))
+        })
     }
 
     /// The integrals of one likelihood over every population: by alpha's, then gamma's.
@@ -171,9 +174,9 @@ impl Grid {
     }
 }
 
-/// The integral of a step function of alpha.
-fn along(steps: &[(f64, f64)], alpha: &Marginal) -> f64 {
-    steps.iter().map(|(from, step)| step * (1.0 - alpha.cdf(*from))).sum::<f64>().max(0.0)
+/// The integral of a step function of alpha, given alpha's probability up to each step.
+pub(super) fn integral(steps: &[(f64, f64)], up_to: impl Iterator<Item = f64>) -> f64 {
+    steps.iter().zip(up_to).map(|((_, step), below)| step * (1.0 - below)).sum::<f64>().max(0.0)
 }
 
 /// The posterior of a quantity: moments and intervals.
