@@ -116,6 +116,14 @@ pub struct OptionTick {
     pub misaligned: bool,
 }
 
+impl OptionTick {
+    /// The option without P_o and J~_o.
+    pub(crate) fn cost(&self) -> OptionCost {
+        let Self { remaining, objective, misaligned, .. } = *self;
+        OptionCost { remaining, objective, misaligned }
+    }
+}
+
 /// sum_o omega_o(k) P_o(k) of eq. (5): the probability that the human would walk another path.
 pub fn misalignment(options: &[OptionTick]) -> f64 {
     options.iter().filter(|option| option.misaligned).map(|option| option.probability).sum()

@@ -1,7 +1,7 @@
 //! The parts of an episode, put together in any order.
 
 use super::view::view;
-use super::{Episode, EpisodeSettings, Manipulator, Summary, Tick, prospects};
+use super::{Episode, EpisodeSettings, Manipulator, PlaceMemory, Summary, Tick, prospects};
 use crate::controller::{Controller, Guide, NoRobot, Predictive};
 use crate::error::Error;
 use crate::geometry::{Path, PlanarPose, direction};
@@ -9,7 +9,7 @@ use crate::human::{Human, PreferenceHuman};
 use crate::options::{OptionSet, Passing};
 use crate::plant::{Kinematic, Physical, Plant, PointPlant, StepObserver};
 use crate::policy::RobotPolicy;
-use crate::preference::{Perception, PredictionMemory, Ways};
+use crate::preference::{Perception, Ways};
 use crate::simulation::{KinematicPlant, PhysicsSettings, PhysicsStep};
 use crate::team::{InTandem, OnPath, Route, Surroundings, Walk};
 use crate::world::World;
@@ -26,7 +26,7 @@ pub struct EpisodeBuilder<'a> {
     controller: Option<Box<dyn Controller + 'a>>,
     plant: Option<MakePlant<'a>>,
     observer: Option<StepObserver<'a>>,
-    predictions: Option<&'a PredictionMemory>,
+    places: Option<&'a PlaceMemory>,
 }
 
 type MakePlant<'a> = Box<dyn FnOnce(&Start) -> Box<dyn Plant + 'a> + 'a>;
@@ -71,7 +71,7 @@ impl<'a> EpisodeBuilder<'a> {
             controller: None,
             plant: None,
             observer: None,
-            predictions: None,
+            places: None,
         }
     }
 
@@ -127,10 +127,10 @@ impl<'a> EpisodeBuilder<'a> {
         Self { observer: Some(Box::new(observer)), ..self }
     }
 
-    /// Shares the predictions of the belief before the episode with other episodes through `memory`. Results are
-    /// the same bits; it saves time where many humans walk in one world.
-    pub fn with_predictions(self, memory: &'a PredictionMemory) -> Self {
-        Self { predictions: Some(memory), ..self }
+    /// Shares D_o, S_o, and P_o and J~_o of the belief before the episode, with other episodes through `memory`,
+    /// by the place of the team. Results are the same bits; it saves time where many humans walk in one world.
+    pub fn with_places(self, memory: &'a PlaceMemory) -> Self {
+        Self { places: Some(memory), ..self }
     }
 
     /// The episode before its first step: the team stands at the start and faces its first path.
@@ -139,10 +139,10 @@ impl<'a> EpisodeBuilder<'a> {
     /// A team of bodies does not fit at its start, the robot has no room on its way to the
     /// start or the human at the end of an option, or a setting is out of its range.
     pub fn begin(self) -> Result<Episode<'a>, Error> {
-        let Self { options, settings, human, policy, team, controller, plant, observer, predictions } = self;
+        let Self { options, settings, human, policy, team, controller, plant, observer, places } = self;
         settings.learning.map_or(Ok(()), |learning| learning.check())?;
         let mut episode = point_episode(options, settings, human, policy);
-        episode.predictions = predictions.and_then(|memory| memory.of(&episode.predictor));
+        episode.places = places.and_then(|memory| memory.of(options, &episode.predictor));
         let first = if let Team::Point = team { Path::default() } else { episode.first_path(team.passing()) };
         let LinedUp { walk, controller: built_in, plant } =
             team.line_up(options, settings, &first, plant, observer)?;
@@ -246,7 +246,8 @@ pub(super) fn point_episode<'a>(
         plant: Box::new(PointPlant::at(progress.position)),
         manipulator: None,
         predictor: settings.predictor.clone(),
-        predictions: None,
+        places: None,
+        place_key: Vec::new(),
         learner: settings.learner(),
         route: Route::default(),
         tick_limit,

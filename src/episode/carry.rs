@@ -1,6 +1,6 @@
 //! How a step is carried out: everybody moves, one control period at a time.
 
-use super::outcome::Done;
+use super::outcome::{Before, Done};
 use super::robot_tick::{Period, RobotTick};
 use super::step::Begun;
 use super::{EndMotions, Episode, Tick};
@@ -66,12 +66,7 @@ impl Episode<'_> {
     /// does nothing and returns false.
     pub fn carry_period(&mut self) -> bool {
         let Some(mut carried) = self.carried.take() else { return false };
-        let (moved, tick) = self.carry_one_period(&carried.begun, &carried.lead, carried.periods);
-        carried.walked += moved;
-        // the robot's part is large, and copied only where there is a robot
-        if let Some(tick) = tick {
-            self.carried_robot = Some(self.carried_robot.map_or(tick, |before| before.and(&tick)));
-        }
+        carried.walked += self.carry_one_period(&carried.begun, &carried.lead, carried.periods);
         carried.periods[0] += 1;
         let goes_on = carried.periods[0] < carried.periods[1];
         match goes_on {
@@ -92,10 +87,13 @@ impl Episode<'_> {
         let now = self.now();
         let Carried { begun, lead, executed, reverses_for, from, position, heading, seen_at, .. } = carried;
         let Carried { periods: [_, count], walked, ends, .. } = carried;
-        let robot = self.carried_robot.take().map(|robot| robot.mean_of(count));
         let Begun { mut evaluated, mut predicted, human, .. } = begun;
         let objective_cost = evaluated.costs[executed].objective;
-        let tick = Tick {
+        let Tick { executed: last, preferred, mode, .. } = self.tick;
+        let before = (now.step > 0).then_some(Before { executed: last, preferred, mode });
+        // memory for the next step
+        let options = std::mem::replace(predicted.options(), std::mem::take(&mut self.tick.options));
+        self.tick = Tick {
             step: now.step,
             time: now.time,
             position,
@@ -108,17 +106,22 @@ impl Episode<'_> {
             reverses_for,
             objective_cost,
             accumulated_cost: self.summary.accumulated_cost + objective_cost,
-            options: std::mem::take(predicted.options()),
-            robot,
+            options,
+            robot: None,
             ends: ends.and_then(|ends| ends.then(&self.plant.observe(), self.settings.planning_step)),
         };
+        // what is large is copied only where there is a robot
+        if let Some(robot) = &self.carried_robot {
+            self.tick.robot = Some(robot.mean_of(count));
+            self.carried_robot = None;
+        }
         let (prospect, risk_weight) = (evaluated.prospects[executed], self.predictor.risk_weight());
         let perceived = &mut self.perceived;
         let subjective_cost =
             human.perception.map(|own| perceived.subjective_cost(executed, prospect, risk_weight, own));
         self.summary.add(&Done {
-            tick: &tick,
-            before: (now.step > 0).then_some(&self.tick),
+            tick: &self.tick,
+            before,
             subjective_cost,
             has_changed: self.human.change(now.step).is_some(),
             walked,
@@ -133,9 +136,6 @@ impl Episode<'_> {
         let came_on = came_on > 0.1 * self.settings.speed * self.settings.planning_step;
         self.steps_without_progress = if came_on { 0 } else { self.steps_without_progress + 1 };
         self.decided = Some((human, lead));
-        // memory for the next step
-        *predicted.options() = std::mem::take(&mut self.tick.options);
-        self.tick = tick;
         std::mem::swap(&mut self.prospects, &mut evaluated.prospects);
         std::mem::swap(&mut self.ways, &mut evaluated.ways);
         self.memory = (evaluated, predicted);
@@ -170,14 +170,9 @@ impl Episode<'_> {
     }
 
     /// Moves everybody by one control period: first the controller's command, then the human, then the plant.
-    /// Returns how far the team came along the path, m, and the robot's part of the tick, if there is a robot.
+    /// Adds the robot's part of the tick, if there is a robot. Returns how far the team came along the path, m.
     /// `period`: as [`Episode::periods`].
-    fn carry_one_period(
-        &mut self,
-        begun: &Begun,
-        lead: &Decision,
-        period: [u32; 2],
-    ) -> (f64, Option<RobotTick>) {
+    fn carry_one_period(&mut self, begun: &Begun, lead: &Decision, period: [u32; 2]) -> f64 {
         let (mode, stance) = (lead.mode(), begun.human.stance);
         let to = self.to(mode, stance);
         let (position, hand) = (self.point_at(to), self.hand(&begun.human, period));
@@ -192,11 +187,16 @@ impl Episode<'_> {
         let seen = self.plant.observe();
         let place = self.walk.locate(&step, &seen);
         let goal = self.walk.grasp_goal(&seen);
-        let robot = self.manipulator.zip(begin).map(|(manipulator, begin)| {
+        // what is large is copied only where there is a robot
+        if let (Some(manipulator), Some(begin)) = (&self.manipulator, begin) {
             let intended = self.walk.intended_grasp(&step, &seen);
             let period = Period { begin, end: seen, goal, intended, place };
-            RobotTick::of(&manipulator, &command, &period, &mut self.body_poses)
-        });
-        (self.come_to(place.along), robot)
+            let tick = RobotTick::of(manipulator, &command, &period, &mut self.body_poses);
+            match &mut self.carried_robot {
+                Some(before) => *before = before.and(&tick),
+                none => *none = Some(tick),
+            }
+        }
+        self.come_to(place.along)
     }
 }

@@ -2,10 +2,11 @@
 
 use super::Episode;
 use super::now::Now;
+use super::places::Places;
 use crate::coordination::{Mode, OptionCost, OptionTick, is_misaligned};
 use crate::learning::Learner;
 use crate::options::{OptionSet, Progress, Remaining, Waypoint};
-use crate::preference::{ChoiceDistribution, Predictions, Predictor, Prospect, Ways, objective_cost};
+use crate::preference::{ChoiceDistribution, Predictor, Prospect, Ways, objective_cost};
 use serde::{Deserialize, Serialize};
 
 /// The length (m) at which predictions cap an option, also one without a path. It is far beyond what a human
@@ -33,17 +34,26 @@ pub(super) struct Evaluated {
 }
 
 impl Evaluated {
-    /// The options of a team that walks `toward` a waypoint on the option executed, none before the first
-    /// step. `memory` is used again.
-    fn at(
+    /// Takes over known options.
+    fn take_over(&mut self, options: &[OptionTick], ways: &Ways) {
+        self.prospects.clear();
+        self.prospects.extend(options.iter().map(|option| prospect(option.remaining)));
+        self.ways.clone_from(ways);
+        self.costs.clear();
+        self.costs.extend(options.iter().map(OptionTick::cost));
+    }
+
+    /// Evaluates the options of a team that walks `toward` a waypoint on the option executed, none before the
+    /// first step.
+    fn fill(
+        &mut self,
         options: &OptionSet,
         progress: &Progress,
         risk_weight: f64,
         toward: Option<Waypoint>,
         executed: Option<usize>,
-        memory: Self,
-    ) -> Self {
-        let Self { mut prospects, mut ways, mut costs } = memory;
+    ) {
+        let Self { prospects, ways, costs } = self;
         prospects.clear();
         costs.clear();
         for remaining in options.all_remaining(progress) {
@@ -59,7 +69,6 @@ impl Evaluated {
         ways.find(prospects.len(), executed, |a, b| {
             prospects[a] == prospects[b] && options.lead_the_same_way(progress, a, b)
         });
-        Self { prospects, ways, costs }
     }
 }
 
@@ -71,9 +80,6 @@ pub(super) struct Prediction {
     /// The options with P_o and J~_o.
     pub options: Vec<OptionTick>,
     expected: Vec<f64>,
-    /// Memory for the search among known predictions.
-    #[serde(skip)]
-    key: Vec<u64>,
 }
 
 /// The parts of a prediction that are needed.
@@ -87,9 +93,8 @@ struct Asked {
 
 /// The distribution of (alpha, gamma) that predicts.
 enum By<'p> {
-    /// The belief before the episode, which the human's discomfort follows, eq. (5), and what it gave in other
-    /// episodes.
-    Prior(&'p mut Predictor, Option<&'p Predictions>),
+    /// The belief before the episode, which the human's discomfort follows, eq. (5).
+    Prior(&'p mut Predictor),
     /// The learned belief, which the robot's choices follow, eqs. (6) and (8), and its lapse rate.
     Learned(&'p mut Learner, f64),
 }
@@ -101,36 +106,46 @@ impl Prediction {
         numbers(self) == numbers(other)
     }
 
-    /// The prediction for these options. `memory` is used again.
-    fn of(evaluated: &Evaluated, mut by: By, asked: Asked, memory: Self) -> Self {
-        let Self { mut choice, mut options, mut expected, mut key } = memory;
+    /// Takes over the prediction of known options.
+    fn take_over(&mut self, known: &[OptionTick], asked: Asked) {
+        let Self { choice, options, expected } = self;
+        options.clear();
+        options.extend_from_slice(known);
+        let known = |is_asked: bool| if is_asked { known } else { &[] };
+        choice.take_over(known(asked.choice).iter().map(|option| option.probability));
+        expected.clear();
+        expected.extend(known(asked.expected).iter().map(|option| option.expected));
+    }
+
+    /// Predicts for these options.
+    fn fill(&mut self, evaluated: &Evaluated, by: By, asked: Asked) {
+        let Self { choice, options, expected } = self;
         let (prospects, ways) = (&evaluated.prospects, &evaluated.ways);
         choice.clear();
         expected.clear();
-        match &mut by {
-            By::Prior(prior, Some(known)) if asked.choice => {
-                let expected = asked.expected.then_some(&mut expected);
-                known.predict(prior, (prospects, ways), &mut key, &mut choice, expected);
+        match by {
+            By::Prior(prior) => {
+                if asked.choice {
+                    prior.predict_from(prospects, ways, choice);
+                }
+                if asked.expected {
+                    prior.expected_costs(prospects, expected);
+                }
             }
-            By::Prior(prior, _) if asked.choice => prior.predict_from(prospects, ways, &mut choice),
-            By::Learned(learner, lapse_rate) if asked.choice => {
-                learner.predict(prospects, ways, &mut choice);
-                choice.add_lapses(*lapse_rate);
+            By::Learned(learner, lapse_rate) => {
+                if asked.choice {
+                    learner.predict(prospects, ways, choice);
+                    choice.add_lapses(lapse_rate);
+                }
+                if asked.expected {
+                    learner.expected_costs(prospects, expected);
+                }
             }
-            _ => {}
-        }
-        match &mut by {
-            By::Prior(_, Some(_)) if asked.choice => {}
-            By::Prior(prior, _) if asked.expected => prior.expected_costs(prospects, &mut expected),
-            By::Learned(learner, _) if asked.expected => learner.expected_costs(prospects, &mut expected),
-            _ => {}
         }
         options.clear();
         let value = |of: &[f64], o: usize| of.get(o).copied().unwrap_or(f64::NAN);
         let costs = evaluated.costs.iter().enumerate();
-        options
-            .extend(costs.map(|(o, c)| c.predicted(value(choice.probabilities(), o), value(&expected, o))));
-        Self { choice, options, expected, key }
+        options.extend(costs.map(|(o, c)| c.predicted(value(choice.probabilities(), o), value(expected, o))));
     }
 }
 
@@ -156,25 +171,36 @@ impl Predicted {
 }
 
 impl Episode<'_> {
-    /// The options from where the team is.
-    pub(super) fn evaluate(&self, now: Now, memory: Evaluated) -> Evaluated {
-        // g(0) = 0: before the first step the team has no next waypoint
-        let toward = now.executed.map(|executed| self.options.next(&self.progress, executed));
-        let risk_weight = self.predictor.risk_weight();
-        Evaluated::at(self.options, &self.progress, risk_weight, toward, now.executed, memory)
-    }
-
-    /// The probabilities of the options that the human may prefer.
-    pub(super) fn predict(&mut self, now: Now, evaluated: &Evaluated, memory: Predicted) -> Predicted {
+    /// The options from where the team is, and the probabilities with which the human may prefer them. `memory`
+    /// is used again.
+    pub(super) fn evaluate(&mut self, now: Now, memory: (Evaluated, Predicted)) -> (Evaluated, Predicted) {
+        let (mut evaluated, Predicted { mut prior, mut learned }) = memory;
         let expected = now.mode == Mode::RobotLed || self.policy.predicts();
         let choice = expected || self.controller.anticipates() || self.settings.predict_while_human_leads;
-        let (asked, lapse_rate) = (Asked { choice, expected }, self.predictor.lapse_rate());
-        let Predicted { prior, learned } = memory;
-        let by = By::Prior(&mut self.predictor, self.predictions.as_deref());
-        let prior = Prediction::of(evaluated, by, asked, prior);
-        let learned = self.learner.as_deref_mut().map(|learner| {
-            Prediction::of(evaluated, By::Learned(learner, lapse_rate), asked, learned.unwrap_or_default())
-        });
-        Predicted { prior, learned }
+        let asked = Asked { choice, expected };
+        let key = &mut self.place_key;
+        if self.places.is_some() {
+            Places::key(key, &self.progress, now.executed, [choice, expected]);
+        }
+        let mut take = |options: &[OptionTick], ways: &Ways| {
+            evaluated.take_over(options, ways);
+            prior.take_over(options, asked);
+        };
+        let is_known = self.places.as_ref().is_some_and(|places| places.find(key, &mut take));
+        if !is_known {
+            // g(0) = 0: before the first step the team has no next waypoint
+            let toward = now.executed.map(|executed| self.options.next(&self.progress, executed));
+            let risk_weight = self.predictor.risk_weight();
+            evaluated.fill(self.options, &self.progress, risk_weight, toward, now.executed);
+            prior.fill(&evaluated, By::Prior(&mut self.predictor), asked);
+            if let Some(places) = &self.places {
+                places.keep(key, &prior.options, &evaluated.ways);
+            }
+        }
+        if let Some(learner) = self.learner.as_deref_mut() {
+            let by = By::Learned(learner, self.predictor.lapse_rate());
+            learned.get_or_insert_default().fill(&evaluated, by, asked);
+        }
+        (evaluated, Predicted { prior, learned })
     }
 }

@@ -14,6 +14,7 @@ mod learn;
 mod motion;
 mod now;
 mod outcome;
+mod places;
 mod robot_tick;
 mod settings;
 mod state;
@@ -34,6 +35,7 @@ pub use outcome::{
     ControlSummary, GRASP_WARNING_RMS_M, HumanSummary, InteractionSummary, LOSS_DISTANCE_M, Loss, Outcome,
     Summary, Transition,
 };
+pub use places::PlaceMemory;
 pub use robot_tick::{PhysicsTick, RobotTick};
 pub use settings::EpisodeSettings;
 pub use state::EpisodeState;
@@ -46,12 +48,13 @@ use crate::learning::Learner;
 use crate::options::{OptionSet, Progress};
 use crate::plant::Plant;
 use crate::policy::{Decision, RobotPolicy};
-use crate::preference::{PerceivedRisks, Perception, Predictions, Predictor, Prospect, Ways};
+use crate::preference::{PerceivedRisks, Perception, Predictor, Prospect, Ways};
 use crate::robot::Configuration;
 use crate::simulation::Observation;
 use crate::team::{Route, Walk};
 use carry::Carried;
 use evaluated::{Evaluated, Predicted};
+use places::Places;
 use std::sync::Arc;
 use step::Begun;
 
@@ -67,8 +70,9 @@ pub struct Episode<'a> {
     plant: Box<dyn Plant + 'a>,
     manipulator: Option<Manipulator<'a>>,
     predictor: Predictor,
-    /// What the predictor gave in other episodes, if it is kept.
-    predictions: Option<Arc<Predictions>>,
+    /// What other episodes found at places, if it is kept, and memory for the search.
+    places: Option<Arc<Places>>,
+    place_key: Vec<u64>,
     learner: Option<Box<Learner>>,
     progress: Progress,
     route: Route,

@@ -328,11 +328,19 @@ impl ControlSummary {
     }
 }
 
+/// The decisions of the step before.
+#[derive(Clone, Copy)]
+pub(super) struct Before {
+    pub executed: usize,
+    pub preferred: usize,
+    pub mode: Mode,
+}
+
 /// A step that is over.
 pub(super) struct Done<'s> {
     pub tick: &'s Tick,
     /// The step before; none before the first.
-    pub before: Option<&'s Tick>,
+    pub before: Option<Before>,
     /// J^ of the executed option, for a human who has alpha and gamma.
     pub subjective_cost: Option<f64>,
     /// Whether it began with a preference change.

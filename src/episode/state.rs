@@ -1,6 +1,6 @@
 //! The state of a running episode as plain data. With the same inputs it continues with the same bits.
 
-use super::evaluated::{Evaluated, Predicted, Prediction};
+use super::evaluated::Prediction;
 use super::step::Begun;
 use super::{Episode, Summary, Tick};
 use crate::human::HumanDecision;
@@ -85,7 +85,7 @@ impl Episode<'_> {
             // inputs
             options: _, settings: _, manipulator: _, tick_limit: _, ignores_loss: _,
             // memory that every step fills again
-            predictor: _, predictions: _, memory: _, perceived: _, body_poses: _, hand_from: _, hands: _,
+            predictor: _, places: _, place_key: _, memory: _, perceived: _, body_poses: _, hand_from: _, hands: _,
             // of a step that is carried out
             carried: _, carried_robot: _,
             begun,
@@ -168,8 +168,7 @@ impl Episode<'_> {
     fn with_begun(mut self, begun: BegunState) -> Result<Self, RestoreError> {
         let BegunState { human, stubbornness, learned } = begun;
         let now = self.now();
-        let evaluated = self.evaluate(now, Evaluated::default());
-        let mut predicted = self.predict(now, &evaluated, Predicted::default());
+        let (evaluated, mut predicted) = self.evaluate(now, Default::default());
         let belongs = match (&predicted.learned, &learned) {
             (None, None) => true,
             (Some(one), Some(other)) => one.is_like(other),

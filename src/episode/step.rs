@@ -52,9 +52,8 @@ impl Episode<'_> {
 
     /// The values of a step before the robot's policy decides.
     pub(super) fn begin(&mut self, now: Now) -> Begun {
-        let (evaluated, predicted) = std::mem::take(&mut self.memory);
-        let evaluated = self.evaluate(now, evaluated); //                  D_o, S_o, J_o       eq. (1)
-        let predicted = self.predict(now, &evaluated, predicted); //       P_o, J~_o           eq. (4), (6)
+        let memory = std::mem::take(&mut self.memory);
+        let (evaluated, predicted) = self.evaluate(now, memory); //        D_o, S_o, J_o, P_o, J~_o   eq. (1), (4), (6)
         let human = self.ask_human(now, &evaluated, &predicted.prior); //  o_h, g(k), phi(k)   eq. (3), (5)
         let stubbornness = self.learn_from_lead(now, &human, &predicted.prior);
         Begun { evaluated, predicted, human, stubbornness }

@@ -90,6 +90,18 @@ impl Progress {
         &rests[option]
     }
 
+    /// Appends everything that the options' remainders depend on: no two that differ have the same words.
+    pub(crate) fn write_words(&self, words: &mut Vec<u64>) {
+        let word = |crossing: &Crossing| (crossing.opening << 1 | crossing.into) as u64;
+        words.extend([self.position.x.to_bits(), self.position.y.to_bits()]);
+        words.push(self.inside.as_ref().map_or(0, |crossing| word(crossing) + 1));
+        for option in 0..self.rests.len() {
+            let Rest { place, back, has_left } = self.rest(option);
+            words.push((*place as u64) << 32 | (back.len() as u64) << 1 | u64::from(*has_left));
+            words.extend(back.iter().map(word));
+        }
+    }
+
     /// Whether the progress fits these passages and options.
     pub(super) fn is_among(&self, passages: &[Passage], options: &[PathOption]) -> bool {
         let is_crossing = |c: &Crossing| c.opening < passages.len() && c.into < 2;

@@ -64,9 +64,9 @@ impl ChoiceDistribution {
     }
 
     /// Takes over the probabilities of another distribution.
-    pub(super) fn take_over(&mut self, probabilities: &[f64]) {
+    pub(crate) fn take_over(&mut self, probabilities: impl Iterator<Item = f64>) {
         self.probabilities.clear();
-        self.probabilities.extend_from_slice(probabilities);
+        self.probabilities.extend(probabilities);
     }
 
     /// Removes all entries, and keeps the memory.

@@ -27,7 +27,6 @@ mod expectation;
 mod limits;
 mod margin;
 mod marginal;
-mod memory;
 mod perception;
 mod posterior;
 mod predictor;
@@ -49,8 +48,6 @@ pub(crate) use limits::check_lapse_rate;
 use limits::check_rate;
 pub use limits::{MAX_LAPSE_RATE, MAX_RATIONALITY};
 pub use marginal::Marginal;
-pub use memory::PredictionMemory;
-pub(crate) use memory::Predictions;
 pub(crate) use perception::PerceivedRisks;
 pub use perception::{
     MAX_PERCEPTION, Perception, Prospect, human_choice, objective_cost, perceived_distance, perceived_risk,

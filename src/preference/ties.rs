@@ -22,11 +22,22 @@ const TIE_RISK: f64 = 1e-8;
 /// ways.find(3, Some(2), |a, b| (a, b) == (0, 2));
 /// assert_eq!([0, 1, 2].map(|option| ways.representative(option)), [2, 1, 2]);
 /// ```
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Ways {
     /// By option, its representative. Further options represent themselves.
     representatives: Vec<usize>,
+}
+
+impl Clone for Ways {
+    fn clone(&self) -> Self {
+        Self { representatives: self.representatives.clone() }
+    }
+
+    // a derived one would allocate
+    fn clone_from(&mut self, source: &Self) {
+        self.representatives.clone_from(&source.representatives);
+    }
 }
 
 impl Ways {

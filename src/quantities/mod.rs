@@ -39,6 +39,7 @@ pub use learned::LEARNED;
 pub use preparation::PREPARATION;
 pub use tick::{
     BASE, CONTROL, COORDINATION, COST, INTERACTION, JOINTS, OPTION, OPTIONS, OptionView, STEP, TICK, TIME,
+    option_numbers,
 };
 pub use value::{Fields, Value};
 
@@ -188,7 +189,35 @@ use quantities;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::coordination::OptionTick;
+    use crate::options::{Remaining, Waypoint};
     use std::collections::BTreeSet;
+
+    #[test]
+    fn closed_form_the_numbers_of_an_option_are_its_quantities() {
+        let remaining = Remaining { length: 17.4, risk: 0.36, next: Waypoint::Target };
+        let near =
+            OptionTick { remaining, objective: 21.0, expected: 15.5, probability: 0.25, misaligned: true };
+        let far = Remaining { length: f64::INFINITY, ..remaining };
+        let unknown = OptionTick {
+            remaining: far,
+            objective: f64::INFINITY,
+            expected: f64::NAN,
+            probability: f64::NAN,
+            misaligned: false,
+        };
+        for option in [near, unknown] {
+            let view = OptionView { name: "1", option: &option };
+            let numbers: Vec<f64> = OPTION[1..]
+                .iter()
+                .map(|quantity| match (quantity.get)(&view) {
+                    Value::Flag(is_set) => f64::from(u8::from(is_set)),
+                    value => value.as_f64().unwrap_or(0.0),
+                })
+                .collect();
+            assert_eq!((OPTION[0].key, option_numbers(&option).as_slice()), ("name", numbers.as_slice()));
+        }
+    }
 
     /// Key and kind of every quantity, nested ones included.
     fn all() -> Vec<(&'static str, QuantityKind)> {

@@ -235,6 +235,15 @@ pub const OPTION: &[OfOption] = quantities! {
     "misaligned", Flag, "omega_o, eq. (5): whether the team moves toward something other than this option's next opening", |v| v.option.misaligned;
 };
 
+/// The values of [`OPTION`] besides the name, in its order, for those who read them in every step: 0 where one
+/// is missing, and 1 for a flag that is set.
+pub fn option_numbers(option: &OptionTick) -> [f64; OPTION.len() - 1] {
+    let OptionTick { remaining, objective, expected, probability, misaligned } = *option;
+    let misaligned = f64::from(u8::from(misaligned));
+    [remaining.length, remaining.risk, objective, expected, probability, misaligned]
+        .map(|number| if number.is_finite() { number } else { 0.0 })
+}
+
 fn options(view: &View) -> Vec<Fields> {
     let options = view.tick().options.iter().enumerate();
     options.map(|(o, option)| fields(OPTION, &OptionView { name: view.option(o), option })).collect()

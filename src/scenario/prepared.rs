@@ -2,12 +2,11 @@
 
 use super::Scenario;
 use crate::control::RobotObstacles;
-use crate::episode::{Episode, EpisodeBuilder, Manipulator};
+use crate::episode::{Episode, EpisodeBuilder, Manipulator, PlaceMemory};
 use crate::error::{Error, Place};
 use crate::human::{Human, Participant};
 use crate::options::OptionSet;
 use crate::policy::RobotPolicy;
-use crate::preference::PredictionMemory;
 use crate::robot::{Robot, RobotWarning, SlowDrive, WeakestJoint};
 use crate::team;
 use crate::world::World;
@@ -24,7 +23,7 @@ pub struct PreparedScenario {
     /// Told if the robot is slower than the walking speed that was asked for.
     slow_drive: Option<SlowDrive>,
     /// Shared with the scenarios that are prepared from this one.
-    predictions: Option<Arc<PredictionMemory>>,
+    places: Option<Arc<PlaceMemory>>,
 }
 
 /// A world with the options and obstacles built from it and c_r.
@@ -130,7 +129,7 @@ impl Scenario {
             self.settings.speed = slow.walked;
         }
         let width = joints.map_or(0.0, |(robot, joints)| robot.carrying_width(&joints));
-        let predictions = other.and_then(|other| other.predictions.clone());
+        let places = other.and_then(|other| other.places.clone());
         let scene = match other.filter(|other| self.has_scene_of(other, width)) {
             Some(other) => Arc::clone(&other.scene),
             None => {
@@ -144,7 +143,7 @@ impl Scenario {
                 Arc::new(Scene { world, options, obstacles, as_written: OnceLock::new() })
             }
         };
-        let prepared = PreparedScenario { scenario: self, scene, robot, slow_drive, predictions };
+        let prepared = PreparedScenario { scenario: self, scene, robot, slow_drive, places };
         prepared.check_lead_option()?;
         prepared.check_payload()?;
         prepared.human()?;
@@ -167,11 +166,11 @@ impl PreparedScenario {
         &self.scenario
     }
 
-    /// The same scenario, whose episodes share their predictions through `memory`, also with the episodes of
-    /// scenarios that are prepared from it: see [`EpisodeBuilder::with_predictions`].
+    /// The same scenario, whose episodes share what they find at places through `memory`, also with the episodes
+    /// of scenarios that are prepared from it: see [`EpisodeBuilder::with_places`].
     #[must_use]
-    pub fn keeping_predictions(self, memory: Arc<PredictionMemory>) -> Self {
-        Self { predictions: Some(memory), ..self }
+    pub fn keeping_places(self, memory: Arc<PlaceMemory>) -> Self {
+        Self { places: Some(memory), ..self }
     }
 
     /// Another scenario, prepared. It shares an equal world with its options, and an equal robot, with this
@@ -324,8 +323,8 @@ impl PreparedScenario {
         let Self { scenario, scene, .. } = self;
         let mut builder = Episode::builder(&scene.options, &scenario.settings, scenario.human)
             .with_boxed_human(self.human()?);
-        if let Some(memory) = &self.predictions {
-            builder = builder.with_predictions(memory);
+        if let Some(memory) = &self.places {
+            builder = builder.with_places(memory);
         }
         Ok(match (self.manipulator(), scenario.plant.physics()) {
             (None, _) => builder,

@@ -15,7 +15,8 @@ use crate::error::{ActionError, ClosedError, Error, RecordingError, ScenarioErro
 use crate::robot::input_limits;
 use crate::scenario::{Scenario, counted_changes};
 use crate::value::{self, repr};
-use cocarry::preference::{Perception, PredictionMemory};
+use cocarry::episode::PlaceMemory;
+use cocarry::preference::Perception;
 use cocarry::scenario::{GivenPerception, PERCEPTION, PreparedScenario};
 use cocarry::suggestion;
 use lane::{Lane, StepResult, Wish};
@@ -209,11 +210,11 @@ impl Lanes {
         if !(scale > 0.0 && scale <= 1.0) {
             return refused("action_scale", &scale, "a number greater than 0 and at most 1");
         }
-        // predictions do not depend on the human: all episodes share them
-        let memory = Arc::new(PredictionMemory::default());
+        // what is found at a place does not depend on the human: all episodes share it
+        let memory = Arc::new(PlaceMemory::default());
         let keeping = |scenario: &Py<Scenario>| -> PyResult<_> {
             let prepared = scenario.get().prepared(py)?;
-            Ok(Arc::new(PreparedScenario::clone(&prepared).keeping_predictions(Arc::clone(&memory))))
+            Ok(Arc::new(PreparedScenario::clone(&prepared).keeping_places(Arc::clone(&memory))))
         };
         let bases = scenarios.iter().map(keeping).collect::<PyResult<Vec<_>>>()?;
         let Some(first) = bases.first() else {
@@ -386,11 +387,11 @@ impl Lanes {
     fn action_masks<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i8>>> {
         let most = self.rules.options;
         let lanes = self.lock()?;
-        let rows = lanes.iter().map(|lane| {
+        let flags = lanes.iter().flat_map(|lane| {
             let count = lane.cell.as_ref().map_or(most, |cell| cell.borrow_owner().options().options().len());
-            (0..=most).map(|action| i8::from(action < count || action == most)).collect()
+            (0..=most).map(move |action| i8::from(action < count || action == most))
         });
-        Ok(PyArray2::from_vec2(py, &rows.collect::<Vec<Vec<i8>>>())?)
+        PyArray1::from_vec(py, flags.collect()).reshape([lanes.len(), most + 1])
     }
 
     /// World, seed and human of a lane's episode.

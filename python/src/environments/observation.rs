@@ -8,7 +8,7 @@ use cocarry::episode::Episode;
 use cocarry::geometry::PlanarPose;
 use cocarry::human::Stance;
 use cocarry::math;
-use cocarry::quantities::{OPTION, OptionView, QuantityKind, Value};
+use cocarry::quantities::{OPTION, QuantityKind, option_numbers};
 use cocarry::robot;
 use cocarry::scenario::PreparedScenario;
 
@@ -140,7 +140,7 @@ impl Rules {
         into: &mut [f64],
     ) {
         match self.task {
-            Task::Options | Task::Both => self.observe_options(prepared, episode, into),
+            Task::Options | Task::Both => self.observe_options(episode, into),
             Task::Inputs | Task::Reference | Task::Residual => {
                 let (timed, numbers) = match self.ending {
                     Some(_) => into.split_last_mut().map_or((None, &mut [][..]), |(t, n)| (Some(t), n)),
@@ -157,7 +157,7 @@ impl Rules {
         }
     }
 
-    fn observe_options(&self, prepared: &PreparedScenario, episode: &Episode, into: &mut [f64]) {
+    fn observe_options(&self, episode: &Episode, into: &mut [f64]) {
         let Some(view) = episode.robot_view() else { return };
         into.fill(0.0);
         let mut at = 0;
@@ -165,13 +165,8 @@ impl Rules {
             into[at] = number;
             at += 1;
         };
-        let named = prepared.options().options().iter().zip(view.evaluated).enumerate();
-        for (i, (option, evaluated)) in named {
-            let option = OptionView { name: &option.name, option: evaluated };
-            for quantity in OPTION.iter().filter(|quantity| quantity.key != "name") {
-                let value = (quantity.get)(&option);
-                put(value.as_f64().unwrap_or_else(|| f64::from(u8::from(value == Value::Flag(true)))));
-            }
+        for (i, option) in view.evaluated.iter().enumerate() {
+            option_numbers(option).into_iter().for_each(&mut put);
             put(f64::from(u8::from(view.executed == Some(i))));
             if self.is_masked() {
                 put(1.0);

@@ -131,15 +131,15 @@ impl Environment {
     }
 }
 
-/// The prepared scenario of a team in a world, which the scenarios of its humans share, and their predictions.
+/// The prepared scenario of a team in a world, which the scenarios of its humans share, and what they find at its places.
 fn prepared(
     world: impl Into<GivenWorld>,
     settings: &EpisodeSettings,
     plant: &Plant,
 ) -> Result<PreparedScenario, Error> {
     let scenario = Scenario { settings: settings.clone(), ..Scenario::new(world.into(), plant.clone()) };
-    // the humans differ, the predictions about them do not
-    Ok(scenario.prepare()?.keeping_predictions(Arc::default()))
+    // the humans differ, places and predictions do not
+    Ok(scenario.prepare()?.keeping_places(Arc::default()))
 }
 
 /// Runs the episode of a scenario to its end, and calls `on_tick` after every step.

@@ -44,9 +44,9 @@ pub use summary::{Comparison, OUTCOMES, Summary, SummaryGroup};
 
 use cell::Cell;
 use cocarry::arithmetic;
-use cocarry::episode::{Episode, EpisodeSettings};
+use cocarry::episode::{Episode, EpisodeSettings, PlaceMemory};
 use cocarry::error::Place;
-use cocarry::preference::{PredictionMemory, Predictor, RISK_WEIGHT};
+use cocarry::preference::{Predictor, RISK_WEIGHT};
 use cocarry::quantities::Heading;
 use cocarry::robot::SlowDrive;
 use cocarry::scenario::{Plant, PlantKind, PreparedScenario, RobotSetup, SETTINGS, Scenario};
@@ -310,7 +310,7 @@ impl Study {
     /// Prepares a scenario for every world, c_r and robot, and checks every cell on it.
     fn prepare(&mut self) -> Result<(), SweepError> {
         let mut known: BTreeMap<(usize, u64, Option<usize>), usize> = BTreeMap::new();
-        let memory = Arc::new(PredictionMemory::default());
+        let memory = Arc::new(PlaceMemory::default());
         for i in 0..self.cells.len() {
             let cell = &self.cells[i];
             let robot = (cell.plant != PlantKind::Point).then_some(cell.robot);
@@ -339,7 +339,7 @@ impl Study {
             }
             let at = *known.entry(key).or_insert(self.prepared.len());
             if at == self.prepared.len() {
-                self.prepared.push(made.keeping_predictions(Arc::clone(&memory)));
+                self.prepared.push(made.keeping_places(Arc::clone(&memory)));
             }
             self.prepared_of.push(at);
         }
