@@ -11,7 +11,7 @@ use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, RwLock};
 
-/// The largest number of options, each counted at every place, that are kept: about 15 MB.
+/// The largest number of options, each counted at every place, that are kept: about 20 MB.
 const MAX_OPTIONS: usize = 1 << 17;
 /// The largest number of pairs of an option set and a predictor.
 const MAX_TABLES: usize = 1 << 10;

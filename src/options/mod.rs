@@ -539,7 +539,7 @@ mod tests {
                     for step in 1..=12 {
                         // on a grid, so that teams with other pasts come to the same place
                         let at = path.point_at((f64::from(step) * 0.5).min(path.length())).unwrap();
-                        set.advance(&mut progress, at.map(|c| (c * 4.0).round() / 4.0).into());
+                        set.advance(&mut progress, at.map(|c| (c * 4.0).round() / 4.0));
                         let mut words = Vec::new();
                         progress.write_words(&mut words);
                         let all: Vec<Remaining> = set.all_remaining(&progress).collect();

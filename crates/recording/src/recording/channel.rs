@@ -7,6 +7,7 @@ use cocarry::quantities::{
 };
 use foxglove::messages::{FrameTransforms, JointStates, Log, SceneUpdate};
 use foxglove::{Encode, Schema};
+use serde::Serializer;
 use serde_json::Value;
 
 /// A channel of a recording. [The module's documentation](super) describes the contents of each.
@@ -166,20 +167,28 @@ impl Message {
 
     /// A JSON message, without the fields that are missing.
     pub(super) fn json(channel: Channel, time: u64, record: Record) -> Self {
-        let mut fields = record.into_iter().collect();
-        leave_out_missing(&mut fields);
-        let data = serde_json::to_vec(&fields).expect("texts, numbers and maps with text keys are JSON");
+        let mut fields = record;
+        fields.retain(|(_, value)| *value != quantities::Value::Missing);
+        fields.iter_mut().for_each(|(_, value)| leave_out_missing_in(value));
+        // in the order of their keys, as nested ones are
+        fields.sort_unstable_by_key(|(key, _)| *key);
+        let mut data = Vec::new();
+        serde_json::Serializer::new(&mut data)
+            .collect_map(fields)
+            .expect("texts, numbers and maps with text keys are JSON");
         Self { channel, time, data }
     }
 }
 
 fn leave_out_missing(fields: &mut Fields) {
     fields.retain(|_, value| *value != quantities::Value::Missing);
-    for value in fields.values_mut() {
-        match value {
-            quantities::Value::Record(fields) => leave_out_missing(fields),
-            quantities::Value::List(records) => records.iter_mut().for_each(leave_out_missing),
-            _ => {}
-        }
+    fields.values_mut().for_each(leave_out_missing_in);
+}
+
+fn leave_out_missing_in(value: &mut quantities::Value) {
+    match value {
+        quantities::Value::Record(fields) => leave_out_missing(fields),
+        quantities::Value::List(records) => records.iter_mut().for_each(leave_out_missing),
+        _ => {}
     }
 }

@@ -35,6 +35,8 @@ impl<W: Write + Seek> MessageFile<W> {
         let options = WriteOptions::new()
             .library(LIBRARY)
             .compression_threads(0)
+            // Zstandard's default, 3, takes nearly twice the time for files that are at most 1.3 % smaller
+            .compression_level(1)
             // `flush` closes chunks long before that, by simulated time
             .chunk_size(Some(1 << 20))
             .disable_seeking(true);
