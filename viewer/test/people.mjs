@@ -5,7 +5,7 @@
 //   node test/people.mjs PROGRAM hands               touch and gamepad in the task carry alone
 //   node test/people.mjs PROGRAM kills [TABS SERVERS]    tabs and servers killed at random times: kills.mjs
 import assert from "node:assert/strict";
-import { readFileSync, rmSync, writeFileSync } from "node:fs";
+import { existsSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import {
   Acknowledged, PAGES, carries, faults, goThrough, isReady, killed, leftAndBack, looked, needPeople, newStudy, onPage, opened, serve, simulator, stored, world,
@@ -118,8 +118,8 @@ async function one() {
 // What was answered is in the tables, and the fits read them.
 function collected(number) {
   assert.match(cocarry("study", "check", "study.toml"), /sound; 1 began, 1 finished/);
-  cocarry("study", "collect", "study.toml", "-o", "answers");
-  const table = (name) => readFileSync(join(folder, "answers", name), "utf8").trim().split("\n").map((line) => line.split(","));
+  cocarry("study", "collect", "study.toml", "-o", "study-answers");
+  const table = (name) => readFileSync(join(folder, "study-answers", name), "utf8").trim().split("\n").map((line) => line.split(","));
   const answers = table("answers.csv").slice(1).map((row) => row.slice(0, 4).join(","));
   assert.deepEqual(answers, [`${number},worlds/short.toml,1,30`, `${number},worlds/short.toml,2,70`]);
   const switches = table("switches.csv").slice(1);
@@ -138,20 +138,20 @@ function collected(number) {
     assert.equal(carried.differs_within_s, "", "run again, it is another episode");
     assert.ok(Number(carried.human_led_from_s) > 0.5, JSON.stringify(carried));
     assert.ok(["1", "2", ""].includes(carried.options_walked), carried.options_walked);
-    assert.match(cocarry("replay", `answers/${carried.recording}`), /identical/);
+    assert.match(cocarry("replay", `study-answers/${carried.recording}`), /identical/);
     console.log(`carried: ${carried.outcome} after ${carried.duration_s} s, led from ${carried.human_led_from_s} s; the log gives the same episode, digest by digest`);
   }
   // two questions, six scales of workload, 23 statements about fluency with the means of seven subscales: all have answer 5
-  const responses = study.table("answers/responses.csv");
+  const responses = study.table("study-answers/responses.csv");
   assert.equal(responses.length, 2 + 6 + 23 + 7);
   const mean = (name) => responses.find(({ item }) => item === `mean: ${name}`).answer;
   assert.deepEqual([mean("human-robot fluency"), mean("robot relative contribution")], ["5.000", "4.000"]);
-  const { flags, eta_group: group } = study.table("answers/participants.csv")[0];
+  const { flags, eta_group: group } = study.table("study-answers/participants.csv")[0];
   assert.ok(["", "5", "10.5", "15"].includes(group), group);
   assert.ok(!flags.includes("left-out"), flags);
-  cocarry("fit", "risk-weight", "answers/answers.csv", "--resamples", "40");
-  cocarry("fit", "eta", "answers/switches.csv");
-  cocarry("infer", "answers/answers.csv", "answers/switches.csv", "--draws", "100");
+  cocarry("fit", "risk-weight", "study-answers/answers.csv", "--resamples", "40");
+  cocarry("fit", "eta", "study-answers/switches.csv");
+  cocarry("infer", "study-answers/answers.csv", "study-answers/switches.csv", "--draws", "100");
   console.log(`collected: a switch after ${ms} ms is step ${stopped[3]}; fit and infer read the tables; flags: ${flags || "none"}`);
 }
 
@@ -287,18 +287,24 @@ async function handled() {
   console.log(`hands: ${touched.get("pointermove").length} moves of a finger, a button held by a second one, and a gamepad are recorded, lead and resist; both episodes replay equal`);
 }
 
-// those who have finished; the table has all who began
-const participants = () => study.table("answers/participants.csv").filter(({ finished_utc }) => finished_utc).length;
-const collect = (file) => cocarry("study", "collect", "study.toml", "--add", file, "-o", "answers", "--overwrite");
-// Builds the page for a sink, with a code that all get, and serves it as any host does.
-async function built(name, ...sink) {
-  cocarry("study", "build", "code.toml", "-o", name, ...sink, ...simulator);
+// Those who have finished; the table has all who began.
+const participants = (of = "study") => {
+  const table = `${of}-answers/participants.csv`;
+  return existsSync(join(folder, table)) ? study.table(table).filter(({ finished_utc }) => finished_utc).length : 0;
+};
+const collect = (file, of = "study") => cocarry("study", "collect", `${of}.toml`, "--add", file, "-o", `${of}-answers`, "--overwrite");
+// Builds the page of the study `name`, or of a brief one, for a sink, with a code that all get, and serves it as any host does.
+// The brief one has no walks and no carrying: they take a minute, and their records are brought by the others.
+async function built(name, edit, ...sink) {
+  writeFileSync(join(folder, `${name}.toml`), edit(readFileSync(join(folder, "study.toml"), "utf8").replace("# code = ", "code = ")));
+  cocarry("study", "build", `${name}.toml`, "-o", name, ...sink, ...simulator);
   return serveFolder(join(folder, `${name}/`));
 }
+const whole = (text) => text, brief = (text) => text.replace(/^tasks = .*$/m, 'tasks = ["percentages"]');
 
 // Plain files on any host: the participant saves a file, and has a code only then.
 async function withoutServer() {
-  const host = await built("site");
+  const host = await built("site", whole);
   const context = await browser.newContext({ viewport: { width: 1024, height: 760 }, acceptDownloads: true });
   const tab = await goThrough(await opened(context, host.address));
   assert.ok(!(await tab.locator("#code").isVisible()));
@@ -329,7 +335,7 @@ globalThis.jatos = {
   endStudyWithoutRedirect: (isGood) => later(() => localStorage.setItem("ended", String(isGood))),
 };`;
 async function inJatos() {
-  const host = await built("jatos", "--sink", "jatos");
+  const host = await built("jatos", brief, "--sink", "jatos");
   const context = await browser.newContext({ viewport: { width: 390, height: 800 } });
   // outside of it a sentence says so
   const outside = await opened(context, host.address);
@@ -359,19 +365,19 @@ async function inJatos() {
   await context.close();
   host.close();
   host2.close();
-  const before = participants();
-  assert.match(collect("early.txt"), /, which has no end\n/);
-  assert.equal(participants(), before);
-  for (const _ of [1, 2]) assert.match(collect("results.txt"), /added results.txt as p\w+\n/);
-  assert.equal(participants(), before + 1);
+  assert.match(collect("early.txt", "jatos"), /, which has no end\n/);
+  assert.equal(participants("jatos"), 0);
+  for (const _ of [1, 2]) assert.match(collect("results.txt", "jatos"), /added results.txt as p\w+\n/);
+  assert.equal(participants("jatos"), 1);
   console.log("JATOS (a stub of its functions): results of a session so far, and of the whole one, are added once");
 }
 
 // DataPipe, by a stub of its published address: it fails, loses a receipt, and knows the file the second time.
 async function throughDataPipe() {
-  const host = await built("datapipe", "--sink", "datapipe=abc123");
+  const host = await built("datapipe", whole, "--sink", "datapipe=abc123");
+  const briefHost = await built("refusing", brief, "--sink", "datapipe=abc123");
   const files = new Map(), answers = [];
-  const through = async (answer) => {
+  const through = async (answer, { address } = host) => {
     const context = await browser.newContext({ viewport: { width: 390, height: 800 } });
     await context.route("https://pipe.jspsych.org/api/data/", async (route) => {
       if (route.request().method() === "OPTIONS") return route.fulfill({ status: 204, headers: { "access-control-allow-origin": "*", "access-control-allow-headers": "*" } });
@@ -379,7 +385,7 @@ async function throughDataPipe() {
       assert.equal(experimentID, "abc123");
       return answer(route, filename, data);
     });
-    const tab = await goThrough(await opened(context, host.address));
+    const tab = await goThrough(await opened(context, address));
     return { context, tab };
   };
   const reply = (route, status, body) => route.fulfill({ status, headers: { "access-control-allow-origin": "*" }, contentType: "application/json", body: JSON.stringify(body) });
@@ -402,16 +408,17 @@ async function throughDataPipe() {
   for (const _ of [1, 2]) collect(name);
   assert.equal(participants(), before + 1);
   // what DataPipe does not take, the participant saves
-  const refused = await through((route) => reply(route, 400, { error: "DATA_COLLECTION_NOT_ACTIVE" }));
+  const refused = await through((route) => reply(route, 400, { error: "DATA_COLLECTION_NOT_ACTIVE" }), briefHost);
   assert.ok(!(await refused.tab.locator("#code").isVisible()));
   await looked(refused.tab, "end-refused");
   const [saved] = await Promise.all([refused.tab.waitForEvent("download"), refused.tab.locator("#save").click()]);
   await saved.saveAs(join(folder, "refused.json"));
   await refused.tab.locator("#code").waitFor();
   await refused.context.close();
-  collect("refused.json");
-  assert.equal(participants(), before + 2);
+  collect("refused.json", "refusing");
+  assert.equal(participants("refusing"), 1);
   host.close();
+  briefHost.close();
   console.log("DataPipe (a stub of its address): a failure and a lost receipt give one file, which is added once; what it refuses is saved");
 }
 
@@ -421,7 +428,6 @@ try {
     collected(await one());
     await killedOften();
     if (carries) await handled();
-    writeFileSync(join(folder, "code.toml"), readFileSync(join(folder, "study.toml"), "utf8").replace("# code = ", "code = "));
     await withoutServer();
     await inJatos();
     await throughDataPipe();
