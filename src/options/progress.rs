@@ -157,3 +157,45 @@ impl Progress {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::options::{OptionSet, Remaining};
+    use crate::world::{BUILT_IN_WORLDS, World};
+    use rand::RngExt;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::SeedableRng;
+    use std::collections::HashMap;
+
+    #[test]
+    fn property_equal_words_have_equal_remainders() {
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        for built_in in BUILT_IN_WORLDS {
+            let world = World::parse(built_in.name, built_in.text).unwrap();
+            let set = OptionSet::new(&world, 10.0).unwrap();
+            let mut seen: HashMap<Vec<u64>, Vec<Remaining>> = HashMap::new();
+            for _ in 0..40 {
+                let mut progress = set.begin();
+                // a few metres on one option, then on another, also back
+                for _ in 0..8 {
+                    let option = rng.random_range(0..set.options().len());
+                    let Some(path) = set.path(&progress, option) else { break };
+                    for step in 1..=12 {
+                        // on a grid, so that teams with other pasts come to the same place
+                        let at = path.point_at((f64::from(step) * 0.5).min(path.length())).unwrap();
+                        set.advance(&mut progress, at.map(|c| (c * 4.0).round() / 4.0));
+                        let mut words = Vec::new();
+                        progress.write_words(&mut words);
+                        let all: Vec<Remaining> = set.all_remaining(&progress).collect();
+                        assert_eq!(
+                            seen.entry(words).or_insert_with(|| all.clone()),
+                            &all,
+                            "{}",
+                            built_in.name
+                        );
+                    }
+                }
+            }
+        }
+    }
+}

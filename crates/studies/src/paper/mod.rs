@@ -131,7 +131,8 @@ impl Environment {
     }
 }
 
-/// The prepared scenario of a team in a world, which the scenarios of its humans share, and what they find at its places.
+/// The prepared scenario of a team in a world, which the scenarios of its humans share, with what they find at
+/// places.
 fn prepared(
     world: impl Into<GivenWorld>,
     settings: &EpisodeSettings,
