@@ -434,13 +434,14 @@ class _VectorEnv(_Resumable, VectorEnv[_Floats, Any, NDArray[Any]]):
 
     def _endings(self, ended: NDArray[np.bool_]) -> dict[str, Any]:
         outcome, summary = (np.full(self.num_envs, None, dtype=object) for _ in range(2))
-        final = np.full(self.num_envs, None, dtype=object)
         for i in np.flatnonzero(ended):
             figures = self._lanes.summary(int(i))
             assert figures is not None
             outcome[i], summary[i] = figures["outcome"], figures
-            final[i] = self._lanes.last_observation(int(i))
         if self.autoreset_mode == AutoresetMode.SAME_STEP:
+            final = np.full(self.num_envs, None, dtype=object)
+            for i in np.flatnonzero(ended):
+                final[i] = self._lanes.last_observation(int(i))
             infos = {"outcome": outcome, "_outcome": ended, "summary": summary, "_summary": ended}
             return {"final_obs": final, "_final_obs": ended, "final_info": infos, "_final_info": ended}
         return {"outcome": outcome, "_outcome": ended, "summary": summary, "_summary": ended}

@@ -335,7 +335,7 @@ impl Episode {
     /// The quantities of the last step, as ``quantities("tick")`` has them; missing values are None.
     #[getter]
     fn tick<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        value::record(py, self.tick_record(py)?)
+        value::record(py, &self.tick_record(py)?)
     }
 
     /// The figures of the episode so far, as ``quantities("episode")`` has them; missing values are None.
@@ -344,7 +344,7 @@ impl Episode {
     fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let record =
             self.with(py, |prepared, running| View::new(prepared, &running.episode).read(EPISODE))?;
-        value::record(py, record)
+        value::record(py, &record)
     }
 
     /// The belief over this human as of now, as ``/learned`` of a recording has it: means, variances,

@@ -1,14 +1,14 @@
 //! Values of the library's quantities as Python objects.
 
-use cocarry::quantities::{Fields, Value};
+use cocarry::quantities::{Fields, Quantity, Record, Value};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList};
+use pyo3::types::{PyDict, PyList, PyString};
 use serde_json::Value as Json;
 
 /// A value as a Python object; missing values are None.
 pub fn to_python<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
-    let dict = |fields: &Fields| record(py, fields.iter().map(|(key, value)| (*key, value.clone())));
+    let dict = |fields: &Fields| dictionary(py, fields.iter().map(|(key, value)| (*key, value)));
     match value {
         Value::Missing => Ok(py.None().into_bound(py)),
         Value::Flag(flag) => flag.into_bound_py_any(py),
@@ -56,15 +56,46 @@ pub fn of_json(value: &Json) -> Value {
 }
 
 /// A record as a dictionary, in the order of its table.
-pub fn record<'py>(
+pub fn record<'py>(py: Python<'py>, record: &Record) -> PyResult<Bound<'py, PyDict>> {
+    dictionary(py, record.iter().map(|(key, value)| (*key, value)))
+}
+
+fn dictionary<'py, 'v>(
     py: Python<'py>,
-    record: impl IntoIterator<Item = (&'static str, Value)>,
+    values: impl Iterator<Item = (&'static str, &'v Value)>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
-    for (key, value) in record {
-        dict.set_item(key, to_python(py, &value)?)?;
+    for (key, value) in values {
+        dict.set_item(key, to_python(py, value)?)?;
     }
     Ok(dict)
+}
+
+/// Dictionaries of records of one table: copies of one without values, which are filled.
+pub struct Dictionaries {
+    blank: Py<PyDict>,
+    keys: Vec<Py<PyString>>,
+}
+
+impl Dictionaries {
+    /// Of records of these quantities.
+    pub fn new(py: Python<'_>, quantities: &[Quantity]) -> PyResult<Self> {
+        let keys: Vec<_> = quantities.iter().map(|quantity| PyString::new(py, quantity.key)).collect();
+        let blank = PyDict::new(py);
+        keys.iter().try_for_each(|key| blank.set_item(key, py.None()))?;
+        Ok(Self { blank: blank.unbind(), keys: keys.into_iter().map(Bound::unbind).collect() })
+    }
+
+    /// What [`record`] gives.
+    pub fn record<'py>(&self, py: Python<'py>, record: &Record) -> PyResult<Bound<'py, PyDict>> {
+        let dict = self.blank.bind(py).copy()?;
+        for (key, (_, value)) in self.keys.iter().zip(record) {
+            if !matches!(value, Value::Missing) {
+                dict.set_item(key, to_python(py, value)?)?;
+            }
+        }
+        Ok(dict)
+    }
 }
 
 /// An object as Python shows it, at most 120 characters, for errors.

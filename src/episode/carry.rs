@@ -36,8 +36,15 @@ impl Episode<'_> {
     /// [`Episode::finish_step`] to look at the episode, or to steer the hand, between control periods. Does
     /// nothing if no step has begun.
     pub fn lead_step(&mut self, lead: &Decision) {
+        if let Some(carried) = self.led(lead) {
+            self.carried = Some(carried);
+        }
+    }
+
+    /// The rest of a step that has begun, to be carried out by the decision `lead`.
+    pub(super) fn led(&mut self, lead: &Decision) -> Option<Carried> {
         let now = self.now();
-        let Some(begun) = self.begun.take() else { return };
+        let begun = self.begun.take()?;
         let (executed, reverses_for) = self.execute(now, &begun.human, lead);
         let (from, position) = (self.route.along, self.progress.position);
         let heading = self.route.path.heading_at(from).unwrap_or(self.tick.heading);
@@ -46,7 +53,7 @@ impl Episode<'_> {
         let count = self.settings.control_periods().expect("a scenario's check has refused other periods");
         self.plant.begin();
         self.carried_robot = None;
-        self.carried = Some(Carried {
+        Some(Carried {
             begun,
             lead: *lead,
             executed,
@@ -58,7 +65,7 @@ impl Episode<'_> {
             ends,
             periods: [0, count],
             walked: 0.0,
-        });
+        })
     }
 
     /// Moves everybody by one control period of a step that is being [carried out](Episode::lead_step).
@@ -66,12 +73,21 @@ impl Episode<'_> {
     /// does nothing and returns false.
     pub fn carry_period(&mut self) -> bool {
         let Some(mut carried) = self.carried.take() else { return false };
+        let goes_on = self.carry_on(&mut carried);
+        if goes_on {
+            self.carried = Some(carried);
+        }
+        goes_on
+    }
+
+    /// Moves everybody by one control period. Returns whether the step has further periods; after the last one it
+    /// has ended.
+    pub(super) fn carry_on(&mut self, carried: &mut Carried) -> bool {
         carried.walked += self.carry_one_period(&carried.begun, &carried.lead, carried.periods);
         carried.periods[0] += 1;
         let goes_on = carried.periods[0] < carried.periods[1];
-        match goes_on {
-            true => self.carried = Some(carried),
-            false => self.end_step(carried),
+        if !goes_on {
+            self.end_step(carried);
         }
         goes_on
     }
@@ -83,11 +99,11 @@ impl Episode<'_> {
     }
 
     /// Ends a step after its last control period.
-    fn end_step(&mut self, carried: Carried) {
+    fn end_step(&mut self, carried: &mut Carried) {
         let now = self.now();
-        let Carried { begun, lead, executed, reverses_for, from, position, heading, seen_at, .. } = carried;
-        let Carried { periods: [_, count], walked, ends, .. } = carried;
-        let Begun { mut evaluated, mut predicted, human, .. } = begun;
+        let Carried { executed, reverses_for, from, position, heading, seen_at, ends, walked, .. } = *carried;
+        let Carried { begun: Begun { evaluated, predicted, human, .. }, lead, periods: [_, count], .. } =
+            carried;
         let objective_cost = evaluated.costs[executed].objective;
         let Tick { executed: last, preferred, mode, .. } = self.tick;
         let before = (now.step > 0).then_some(Before { executed: last, preferred, mode });
@@ -112,7 +128,7 @@ impl Episode<'_> {
         };
         // what is large is copied only where there is a robot
         if let Some(robot) = &self.carried_robot {
-            self.tick.robot = Some(robot.mean_of(count));
+            self.tick.robot = Some(robot.mean_of(*count));
             self.carried_robot = None;
         }
         let (prospect, risk_weight) = (evaluated.prospects[executed], self.predictor.risk_weight());
@@ -135,10 +151,10 @@ impl Episode<'_> {
         let came_on = (self.route.along - from).abs().max(moved);
         let came_on = came_on > 0.1 * self.settings.speed * self.settings.planning_step;
         self.steps_without_progress = if came_on { 0 } else { self.steps_without_progress + 1 };
-        self.decided = Some((human, lead));
+        self.decided = Some((*human, *lead));
         std::mem::swap(&mut self.prospects, &mut evaluated.prospects);
         std::mem::swap(&mut self.ways, &mut evaluated.ways);
-        self.memory = (evaluated, predicted);
+        self.memory = (std::mem::take(evaluated), std::mem::take(predicted));
     }
 
     /// The command that the controller, eqs. (8) and (7), would give in the first control period of a step that
@@ -197,6 +213,7 @@ impl Episode<'_> {
                 none => *none = Some(tick),
             }
         }
-        self.come_to(place.along)
+        let came_to = if place.along == to { position } else { self.point_at(place.along) };
+        self.come_to(place.along, came_to)
     }
 }

@@ -59,10 +59,14 @@ impl Episode<'_> {
         Begun { evaluated, predicted, human, stubbornness }
     }
 
-    /// Takes the second part of a step that has begun, by the decision `lead`. Does nothing if no step has
-    /// begun.
+    /// Takes the second part of a step that has begun, by the decision `lead`, or the rest of one that is being
+    /// carried out. Does nothing if no step has begun.
     pub fn finish_step(&mut self, lead: &Decision) {
-        self.lead_step(lead); //                                           the path
-        while self.carry_period() {} //                                    q*, u, x            eq. (8), (7)
+        let mut led = self.led(lead); //                                   the path
+        let Some(carried) = &mut led else {
+            while self.carry_period() {}
+            return;
+        };
+        while self.carry_on(carried) {} //                                 q*, u, x            eq. (8), (7)
     }
 }

@@ -24,6 +24,15 @@ pub(super) struct StepResult {
     pub(super) truncated: bool,
 }
 
+/// What is asked of all lanes at once.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Note {
+    /// The number of options in the world of its episode; none before the first.
+    pub(super) options: Option<usize>,
+    pub(super) is_over: bool,
+    pub(super) has_failed: bool,
+}
+
 /// What a caller sets for the next episode.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Wish {
@@ -114,6 +123,11 @@ impl Lane {
             last_observation: Vec::new(),
             error: None,
         }
+    }
+
+    pub(super) fn note(&self) -> Note {
+        let options = self.cell.as_ref().map(|cell| cell.borrow_owner().options().options().len());
+        Note { options, is_over: self.is_over, has_failed: self.error.is_some() }
     }
 
     /// Draws an episode and observes its beginning.

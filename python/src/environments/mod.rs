@@ -14,39 +14,48 @@ use crate::arguments;
 use crate::error::{ActionError, ClosedError, Error, RecordingError, ScenarioError, guarded};
 use crate::robot::input_limits;
 use crate::scenario::{Scenario, counted_changes};
-use crate::value::{self, repr};
+use crate::value::{Dictionaries, repr};
 use cocarry::episode::PlaceMemory;
 use cocarry::preference::Perception;
+use cocarry::quantities::EPISODE;
 use cocarry::scenario::{GivenPerception, PERCEPTION, PreparedScenario};
 use cocarry::suggestion;
-use lane::{Lane, StepResult, Wish};
+use lane::{Lane, Note, StepResult, Wish};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use rayon::prelude::*;
 use rules::{Autoreset, Ending, Rules, TASKS, Task};
-use std::sync::{Arc, Mutex, TryLockError};
+use std::iter;
+use std::sync::{Arc, Mutex, PoisonError, TryLockError};
 
 /// Environments side by side.
 #[pyclass(frozen, module = "cocarry._cocarry", name = "Lanes")]
 pub struct Lanes {
     rules: Rules,
-    lanes: Mutex<Vec<Lane>>,
+    lanes: Mutex<SideBySide>,
     observations: Py<PyArray2<f64>>,
     rewards: Py<PyArray1<f64>>,
     terminated: Py<PyArray1<bool>>,
     truncated: Py<PyArray1<bool>>,
-    /// The threads, and the process that has them; none for a single lane.
+    /// The threads beside the one that takes a step, and the process that has them; none for a single lane.
     pool: Option<(rayon::ThreadPool, u32)>,
     period: f64,
+    summaries: Dictionaries,
     /// The number of numbers in an observation.
     size: usize,
 }
 
+/// All lanes. What is asked of every one of them at once stands in their notes, next to each other: a look at each
+/// lane would move it to the core of the thread that asks.
+struct SideBySide {
+    lanes: Vec<Lane>,
+    notes: Vec<Note>,
+}
+
 impl Lanes {
-    fn lock(&self) -> PyResult<std::sync::MutexGuard<'_, Vec<Lane>>> {
+    fn lock(&self) -> PyResult<std::sync::MutexGuard<'_, SideBySide>> {
         if let Some((_, process)) = &self.pool
             && *process != std::process::id()
         {
@@ -90,7 +99,7 @@ impl Lanes {
     }
 
     fn lane<T>(&self, index: usize, read: impl FnOnce(&Lane) -> PyResult<T>) -> PyResult<T> {
-        let lanes = self.lock()?;
+        let lanes = &self.lock()?.lanes;
         match lanes.get(index) {
             Some(lane) => read(lane),
             None => Err(Error::new_err(format!("index = {index}; it must be less than {}", lanes.len()))),
@@ -104,7 +113,7 @@ impl Lanes {
         actions: &[f64],
         work: impl Fn(&Rules, usize, &mut Lane, &[f64], &mut [f64]) -> StepResult + Sync + Send,
     ) -> PyResult<()> {
-        let mut lanes = self.lock()?;
+        let SideBySide { lanes, notes } = &mut *self.lock()?;
         let size = self.size;
         let mut observations = self.observations.bind(py).try_readwrite().map_err(|_| in_use())?;
         let mut rewards = self.rewards.bind(py).try_readwrite().map_err(|_| in_use())?;
@@ -113,38 +122,65 @@ impl Lanes {
         let (observations, rewards) = (observations.as_slice_mut()?, rewards.as_slice_mut()?);
         let (terminated, truncated) = (terminated.as_slice_mut()?, truncated.as_slice_mut()?);
         let width = if actions.is_empty() { 0 } else { actions.len() / lanes.len() };
-        let (rules, pool, lanes) = (&self.rules, self.pool.as_ref().map(|(pool, _)| pool), &mut *lanes);
-        let one = |i: usize, lane: &mut Lane, (observation, reward, terminated, truncated): Places<'_>| {
+        let (rules, pool) = (&self.rules, self.pool.as_ref().map(|(pool, _)| pool));
+        let one = |(i, (lane, note), places): (usize, (&mut Lane, &mut Note), Places<'_>)| {
+            let (((observation, reward), terminated), truncated) = places;
             let result = work(rules, i, lane, &actions[i * width..(i + 1) * width], observation);
             (*reward, *terminated, *truncated) = (result.reward, result.terminated, result.truncated);
+            *note = lane.note();
         };
         let error = py.detach(|| {
             guarded(|| {
+                let threads = 1 + pool.map_or(0, rayon::ThreadPool::current_num_threads);
+                let part = lanes.len().div_ceil(threads);
+                let places = observations.chunks_mut(part * size).zip(rewards.chunks_mut(part));
+                let flags = terminated.chunks_mut(part).zip(truncated.chunks_mut(part));
+                let stepped = lanes.chunks_mut(part).zip(notes.chunks_mut(part));
+                let parts = stepped.zip(places).zip(flags).enumerate();
+                let parts = parts.map(|(p, (((lanes, notes), (observations, rewards)), (t, u)))| {
+                    let lanes = lanes.iter_mut().zip(notes).enumerate();
+                    let places = observations.chunks_mut(size).zip(rewards).zip(t).zip(u);
+                    lanes.zip(places).map(move |((i, lane), places)| (p * part + i, lane, places))
+                });
                 match pool {
-                    None => {
-                        let places =
-                            observations.chunks_mut(size).zip(rewards).zip(terminated).zip(truncated);
-                        for (i, (lane, (((o, r), t), u))) in lanes.iter_mut().zip(places).enumerate() {
-                            one(i, lane, (o, r, t, u));
-                        }
-                    }
-                    Some(pool) => pool.install(|| {
-                        let places =
-                            observations.par_chunks_mut(size).zip(rewards).zip(terminated).zip(truncated);
-                        let all = lanes.par_iter_mut().zip(places).enumerate();
-                        all.with_min_len(4)
-                            .for_each(|(i, (lane, (((o, r), t), u)))| one(i, lane, (o, r, t, u)));
-                    }),
+                    None => parts.flatten().for_each(one),
+                    Some(pool) => on_all_threads(pool, parts, one),
                 }
-                lanes.iter_mut().find_map(|lane| lane.error.take())
+                let failed = notes.iter().position(|note| note.has_failed);
+                failed.and_then(|i| lanes[i].error.take())
             })
         })?;
         error.map_or(Ok(()), |error| Err(ScenarioError::new_err(error)))
     }
 }
 
+/// Does `work` for the items of all parts on this thread and those of a pool. Each begins with a part of its own, which is
+/// in its core's memory since the last time, and then helps the others from the ends of theirs.
+fn on_all_threads<T, Part: DoubleEndedIterator<Item = T> + Send>(
+    pool: &rayon::ThreadPool,
+    parts: impl Iterator<Item = Part>,
+    work: impl Fn(T) + Sync,
+) {
+    let parts: Vec<_> = parts.map(Mutex::new).collect();
+    let take = |part: &Mutex<Part>, next: fn(&mut Part) -> Option<T>| {
+        next(&mut part.lock().unwrap_or_else(PoisonError::into_inner))
+    };
+    let work_from = |own: usize| {
+        if let Some(own) = parts.get(own) {
+            iter::from_fn(|| take(own, Part::next)).for_each(&work);
+        }
+        for other in &parts {
+            iter::from_fn(|| take(other, Part::next_back)).for_each(&work);
+        }
+    };
+    pool.in_place_scope(|scope| {
+        scope.spawn_broadcast(|_, thread| work_from(1 + thread.index()));
+        work_from(0);
+    });
+}
+
 /// A lane's places in the arrays.
-type Places<'p> = (&'p mut [f64], &'p mut f64, &'p mut bool, &'p mut bool);
+type Places<'p> = (((&'p mut [f64], &'p mut f64), &'p mut bool), &'p mut bool);
 
 fn in_use() -> PyErr {
     ClosedError::new_err("the environment's arrays are in use by another extension module")
@@ -251,7 +287,8 @@ impl Lanes {
         let pool = match num_envs.min(threads) {
             0 | 1 => None,
             threads => {
-                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+                // the thread that takes a step is one of them
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads - 1).build();
                 Some((
                     pool.map_err(|error| Error::new_err(format!("threads cannot be started: {error}")))?,
                     std::process::id(),
@@ -259,14 +296,16 @@ impl Lanes {
             }
         };
         let size = rules.numbers().len();
+        let lanes: Vec<_> = (0..num_envs).map(|i| Lane::new(i as u64)).collect();
         Ok(Self {
-            lanes: Mutex::new((0..num_envs).map(|i| Lane::new(i as u64)).collect()),
+            lanes: Mutex::new(SideBySide { notes: lanes.iter().map(Lane::note).collect(), lanes }),
             observations: PyArray2::zeros(py, [num_envs, size], false).unbind(),
             rewards: PyArray1::zeros(py, num_envs, false).unbind(),
             terminated: PyArray1::zeros(py, num_envs, false).unbind(),
             truncated: PyArray1::zeros(py, num_envs, false).unbind(),
             size,
             period: rules.bases[0].scenario().settings.planning_step,
+            summaries: Dictionaries::new(py, EPISODE)?,
             pool,
             rules,
         })
@@ -278,7 +317,7 @@ impl Lanes {
         #[pyo3(from_py_with = arguments::index)] index: usize,
         #[pyo3(from_py_with = arguments::seed)] seed: u64,
     ) -> PyResult<()> {
-        match self.lock()?.get_mut(index) {
+        match self.lock()?.lanes.get_mut(index) {
             Some(lane) => {
                 lane.rng = ChaCha8Rng::seed_from_u64(seed);
                 Ok(())
@@ -300,7 +339,7 @@ impl Lanes {
     ) -> PyResult<()> {
         let world = world.map(|given| self.world_of(given)).transpose()?;
         check_perception(alpha, gamma)?;
-        let count = self.lock()?.len();
+        let count = self.lock()?.lanes.len();
         if mask.as_ref().is_some_and(|mask| mask.len() != count) {
             return Err(Error::new_err(format!(
                 "reset_mask must have {count} flags, one for each environment"
@@ -318,14 +357,14 @@ impl Lanes {
     /// Takes a step in every lane.
     fn step(&self, py: Python<'_>, actions: &Bound<'_, PyAny>) -> PyResult<()> {
         let count = {
-            let lanes = self.lock()?;
-            if lanes.iter().any(|lane| lane.cell.is_none()) {
+            let notes = &self.lock()?.notes;
+            if notes.iter().any(|note| note.options.is_none()) {
                 return Err(ClosedError::new_err("the environment has no episode; call reset() first"));
             }
-            if self.rules.autoreset.is_none() && lanes.iter().any(|lane| lane.is_over) {
+            if self.rules.autoreset.is_none() && notes.iter().any(|note| note.is_over) {
                 return Err(ClosedError::new_err("the episode is over; call reset()"));
             }
-            lanes.len()
+            notes.len()
         };
         let actions = self.rows(actions, count)?;
         self.each(py, &actions, |rules, _, lane, action, observation| lane.step(rules, action, observation))
@@ -386,12 +425,12 @@ impl Lanes {
     #[getter]
     fn action_masks<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i8>>> {
         let most = self.rules.options;
-        let lanes = self.lock()?;
-        let flags = lanes.iter().flat_map(|lane| {
-            let count = lane.cell.as_ref().map_or(most, |cell| cell.borrow_owner().options().options().len());
-            (0..=most).map(move |action| i8::from(action < count || action == most))
-        });
-        PyArray1::from_vec(py, flags.collect()).reshape([lanes.len(), most + 1])
+        let notes = &self.lock()?.notes;
+        let mut flags = vec![1; notes.len() * (most + 1)];
+        for (row, note) in flags.chunks_mut(most + 1).zip(notes) {
+            row[note.options.unwrap_or(most)..most].fill(0);
+        }
+        PyArray1::from_vec(py, flags).reshape([notes.len(), most + 1])
     }
 
     /// World, seed and human of a lane's episode.
@@ -445,8 +484,7 @@ impl Lanes {
 
     /// The figures of a lane's last episode that ended; None before.
     fn summary<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let last = self.lane(index, |lane| Ok(lane.last.clone()))?;
-        last.map(|record| value::record(py, record)).transpose()
+        self.lane(index, |lane| lane.last.as_ref().map(|last| self.summaries.record(py, last)).transpose())
     }
 
     /// The observation with which that episode ended, where the lane began anew in the same step.

@@ -77,7 +77,7 @@ impl Lane {
 impl super::Lanes {
     /// The state of every lane, as bytes.
     pub(super) fn save(&self, py: Python<'_>) -> PyResult<Vec<u8>> {
-        let lanes = self.lock()?;
+        let lanes = &self.lock()?.lanes;
         let size = self.rules.numbers().len();
         let read = |index: usize, lane: &Lane| {
             let observation = self.observations.bind(py).readonly();
@@ -98,7 +98,7 @@ impl super::Lanes {
     pub(super) fn restore(&self, py: Python<'_>, bytes: &[u8]) -> PyResult<()> {
         let invalid = || SnapshotError::new_err("the state of an environment is not valid");
         let states: Vec<LaneState> = Saved::from_bytes(bytes).read("environment").map_err(|_| invalid())?;
-        let count = self.lock()?.len();
+        let count = self.lock()?.lanes.len();
         let size = self.rules.numbers().len();
         if states.len() != count || states.iter().any(|state| state.observation.len() != size) {
             return Err(invalid());
