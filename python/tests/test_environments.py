@@ -144,7 +144,7 @@ def singles(name, count, keywords, mode):
 
 
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
-@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("threads", [1, 2, 4])
 @pytest.mark.parametrize(("name", "keywords", "steps"), [(n, k, 400 if n.startswith("cocarry/O") else 60) for n, k in VARIANTS])
 def test_the_vector_environment_equals_single_ones(name, keywords, steps, mode, threads):
     count = 5 if name.startswith("cocarry/O") else 2

@@ -80,8 +80,8 @@ impl Episode<'_> {
         goes_on
     }
 
-    /// Moves everybody by one control period. Returns whether the step has further periods; after the last one it
-    /// has ended.
+    /// Moves everybody by one control period. Returns whether the step has further periods; after the last one
+    /// it has ended.
     pub(super) fn carry_on(&mut self, carried: &mut Carried) -> bool {
         carried.walked += self.carry_one_period(&carried.begun, &carried.lead, carried.periods);
         carried.periods[0] += 1;
@@ -164,8 +164,7 @@ impl Episode<'_> {
         self.begun.as_ref().and(self.manipulator)?;
         let mut copy = self.clone();
         let lead = copy.ask_policy().with_motion(Motion::Controlled);
-        copy.lead_step(&lead);
-        let Carried { begun, lead, periods, .. } = copy.carried.take()?;
+        let Carried { begun, lead, periods, .. } = copy.led(&lead)?;
         Some(copy.command(&begun, &lead, periods))
     }
 

@@ -79,8 +79,8 @@ impl Episode<'_> {
         if to >= length - 1e-9 { length } else { to }
     }
 
-    /// Brings the progress to where the team has come on its path, `along` (m), which is `position`. Returns the
-    /// distance walked, m.
+    /// Brings the progress to where the team has come on its path, `along` (m), which is `position`. Returns
+    /// the distance walked, m.
     pub(super) fn come_to(&mut self, along: f64, position: Point) -> f64 {
         self.options.advance(&mut self.progress, position);
         (along - std::mem::replace(&mut self.route.along, along)).abs()

@@ -59,8 +59,8 @@ impl Episode<'_> {
         Begun { evaluated, predicted, human, stubbornness }
     }
 
-    /// Takes the second part of a step that has begun, by the decision `lead`, or the rest of one that is being
-    /// carried out. Does nothing if no step has begun.
+    /// Takes the second part of a step that has begun, by the decision `lead`, or the rest of one that is
+    /// being carried out. Does nothing if no step has begun.
     pub fn finish_step(&mut self, lead: &Decision) {
         let mut led = self.led(lead); //                                   the path
         let Some(carried) = &mut led else {
@@ -68,5 +68,35 @@ impl Episode<'_> {
             return;
         };
         while self.carry_on(carried) {} //                                 q*, u, x            eq. (8), (7)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::episode::EpisodeSettings;
+    use crate::options::OptionSet;
+    use crate::preference::Perception;
+    use crate::world::{BUILT_IN_WORLDS, World};
+
+    #[test]
+    fn a_step_is_the_same_at_once_by_periods_and_finished_after_some_of_them() {
+        let world = World::parse(BUILT_IN_WORLDS[0].name, BUILT_IN_WORLDS[0].text).unwrap();
+        let options = OptionSet::new(&world, 10.0).unwrap();
+        let settings = EpisodeSettings { control_period: Some(0.05), ..EpisodeSettings::default() };
+        let count = settings.control_periods().unwrap();
+        assert!(count > 2, "{count}");
+        let begin = || Episode::new(&options, &settings, Perception { alpha: 0.7, gamma: 0.8 });
+        let [mut at_once, mut parted] = [begin(), begin()];
+        for k in 0..40 {
+            assert_eq!(at_once.step(), None);
+            assert_eq!(parted.begin_step(), None);
+            let lead = parted.ask_policy();
+            parted.lead_step(&lead);
+            (0..k % (count + 1)).for_each(|_| _ = parted.carry_period());
+            parted.finish_step(&lead);
+            assert_eq!(parted.state().digest(), at_once.state().digest(), "step {k}");
+            assert_eq!(parted.summary().steps, k as u64 + 1);
+        }
     }
 }

@@ -9,9 +9,10 @@ mod observation;
 mod replay;
 mod rules;
 mod saved;
+mod side_by_side;
 
 use crate::arguments;
-use crate::error::{ActionError, ClosedError, Error, RecordingError, ScenarioError, guarded};
+use crate::error::{ActionError, ClosedError, Error, RecordingError, guarded};
 use crate::robot::input_limits;
 use crate::scenario::{Scenario, counted_changes};
 use crate::value::{Dictionaries, repr};
@@ -20,15 +21,15 @@ use cocarry::preference::Perception;
 use cocarry::quantities::EPISODE;
 use cocarry::scenario::{GivenPerception, PERCEPTION, PreparedScenario};
 use cocarry::suggestion;
-use lane::{Lane, Note, StepResult, Wish};
+use lane::{Lane, StepResult, Wish};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rules::{Autoreset, Ending, Rules, TASKS, Task};
-use std::iter;
-use std::sync::{Arc, Mutex, PoisonError, TryLockError};
+use side_by_side::SideBySide;
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 
 /// Environments side by side.
 #[pyclass(frozen, module = "cocarry._cocarry", name = "Lanes")]
@@ -47,15 +48,8 @@ pub struct Lanes {
     size: usize,
 }
 
-/// All lanes. What is asked of every one of them at once stands in their notes, next to each other: a look at each
-/// lane would move it to the core of the thread that asks.
-struct SideBySide {
-    lanes: Vec<Lane>,
-    notes: Vec<Note>,
-}
-
 impl Lanes {
-    fn lock(&self) -> PyResult<std::sync::MutexGuard<'_, SideBySide>> {
+    fn lock(&self) -> PyResult<MutexGuard<'_, SideBySide>> {
         if let Some((_, process)) = &self.pool
             && *process != std::process::id()
         {
@@ -105,82 +99,7 @@ impl Lanes {
             None => Err(Error::new_err(format!("index = {index}; it must be less than {}", lanes.len()))),
         }
     }
-
-    /// Runs `work` for every lane and its part of the arrays, on all threads.
-    fn each(
-        &self,
-        py: Python<'_>,
-        actions: &[f64],
-        work: impl Fn(&Rules, usize, &mut Lane, &[f64], &mut [f64]) -> StepResult + Sync + Send,
-    ) -> PyResult<()> {
-        let SideBySide { lanes, notes } = &mut *self.lock()?;
-        let size = self.size;
-        let mut observations = self.observations.bind(py).try_readwrite().map_err(|_| in_use())?;
-        let mut rewards = self.rewards.bind(py).try_readwrite().map_err(|_| in_use())?;
-        let mut terminated = self.terminated.bind(py).try_readwrite().map_err(|_| in_use())?;
-        let mut truncated = self.truncated.bind(py).try_readwrite().map_err(|_| in_use())?;
-        let (observations, rewards) = (observations.as_slice_mut()?, rewards.as_slice_mut()?);
-        let (terminated, truncated) = (terminated.as_slice_mut()?, truncated.as_slice_mut()?);
-        let width = if actions.is_empty() { 0 } else { actions.len() / lanes.len() };
-        let (rules, pool) = (&self.rules, self.pool.as_ref().map(|(pool, _)| pool));
-        let one = |(i, (lane, note), places): (usize, (&mut Lane, &mut Note), Places<'_>)| {
-            let (((observation, reward), terminated), truncated) = places;
-            let result = work(rules, i, lane, &actions[i * width..(i + 1) * width], observation);
-            (*reward, *terminated, *truncated) = (result.reward, result.terminated, result.truncated);
-            *note = lane.note();
-        };
-        let error = py.detach(|| {
-            guarded(|| {
-                let threads = 1 + pool.map_or(0, rayon::ThreadPool::current_num_threads);
-                let part = lanes.len().div_ceil(threads);
-                let places = observations.chunks_mut(part * size).zip(rewards.chunks_mut(part));
-                let flags = terminated.chunks_mut(part).zip(truncated.chunks_mut(part));
-                let stepped = lanes.chunks_mut(part).zip(notes.chunks_mut(part));
-                let parts = stepped.zip(places).zip(flags).enumerate();
-                let parts = parts.map(|(p, (((lanes, notes), (observations, rewards)), (t, u)))| {
-                    let lanes = lanes.iter_mut().zip(notes).enumerate();
-                    let places = observations.chunks_mut(size).zip(rewards).zip(t).zip(u);
-                    lanes.zip(places).map(move |((i, lane), places)| (p * part + i, lane, places))
-                });
-                match pool {
-                    None => parts.flatten().for_each(one),
-                    Some(pool) => on_all_threads(pool, parts, one),
-                }
-                let failed = notes.iter().position(|note| note.has_failed);
-                failed.and_then(|i| lanes[i].error.take())
-            })
-        })?;
-        error.map_or(Ok(()), |error| Err(ScenarioError::new_err(error)))
-    }
 }
-
-/// Does `work` for the items of all parts on this thread and those of a pool. Each begins with a part of its own, which is
-/// in its core's memory since the last time, and then helps the others from the ends of theirs.
-fn on_all_threads<T, Part: DoubleEndedIterator<Item = T> + Send>(
-    pool: &rayon::ThreadPool,
-    parts: impl Iterator<Item = Part>,
-    work: impl Fn(T) + Sync,
-) {
-    let parts: Vec<_> = parts.map(Mutex::new).collect();
-    let take = |part: &Mutex<Part>, next: fn(&mut Part) -> Option<T>| {
-        next(&mut part.lock().unwrap_or_else(PoisonError::into_inner))
-    };
-    let work_from = |own: usize| {
-        if let Some(own) = parts.get(own) {
-            iter::from_fn(|| take(own, Part::next)).for_each(&work);
-        }
-        for other in &parts {
-            iter::from_fn(|| take(other, Part::next_back)).for_each(&work);
-        }
-    };
-    pool.in_place_scope(|scope| {
-        scope.spawn_broadcast(|_, thread| work_from(1 + thread.index()));
-        work_from(0);
-    });
-}
-
-/// A lane's places in the arrays.
-type Places<'p> = (((&'p mut [f64], &'p mut f64), &'p mut bool), &'p mut bool);
 
 fn in_use() -> PyErr {
     ClosedError::new_err("the environment's arrays are in use by another extension module")
@@ -296,9 +215,8 @@ impl Lanes {
             }
         };
         let size = rules.numbers().len();
-        let lanes: Vec<_> = (0..num_envs).map(|i| Lane::new(i as u64)).collect();
         Ok(Self {
-            lanes: Mutex::new(SideBySide { notes: lanes.iter().map(Lane::note).collect(), lanes }),
+            lanes: Mutex::new(SideBySide::new(num_envs)),
             observations: PyArray2::zeros(py, [num_envs, size], false).unbind(),
             rewards: PyArray1::zeros(py, num_envs, false).unbind(),
             terminated: PyArray1::zeros(py, num_envs, false).unbind(),
